@@ -8,14 +8,14 @@
 #   tests/deep.sh bits                 a million ticks of random motions, host against emulated core, fixed point and f32
 #   tests/deep.sh fuzz [SECONDS]       fuzzing of the link and of the lock-step protocol (600), with cargo-fuzz and nightly
 #
-# A PART is a module of shared/src: control, drive, feedback, safety, monitor, machine, session, protocol unless named; link,
+# A PART is a module of shared/src: control, drive, feedback, safety, monitor, machine, lockstep unless named; link,
 # homing, storage, capture, compensate and others by name; also a file of one, as machine/reference. A file that is done is
 # not repeated as long as neither source nor tests change, so that an interrupted run can be continued; FRESH=1 starts
 # again. Installs missing tools.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-parts=(control drive feedback safety monitor machine session protocol)
+parts=(control drive feedback safety monitor machine lockstep)
 # Minimum percentage of mutants that the tests detect; those listed as equivalent count as not detected.
 min_detected=95
 # Timeout of the tests of a mutant, s: a mutant may loop for ever.
@@ -35,13 +35,13 @@ files_of() {
 # tests:: for all unit tests. None for all tests, where that was not measured.
 tests_of() {
   case ${1%%/*} in
-  machine) echo enabling:: first_motion:: homing:: link:: machine:: monitor:: safety:: session:: ;;
-  drive) echo tests:: amplifier:: first_motion:: homing:: inputs:: link:: pins:: ;;
+  machine) echo enabling:: first_motion:: homing:: link:: machine:: monitor:: safety:: lockstep:: ;;
+  drive) echo tests:: amplifier:: first_motion:: homing:: inputs:: link:: ;;
   homing | feedback) echo tests:: homing:: ;;
   control) echo tests:: control:: enabling:: gain_change:: homing:: velocity_loop:: ;;
   monitor) echo tests:: monitor:: safety:: ;;
-  session) echo tests:: session:: ;;
-  safety | protocol) echo tests:: ;;
+  lockstep) echo tests:: lockstep:: ;;
+  safety) echo tests:: ;;
   link | capture | storage) echo tests:: link:: ;;
   esac
 }
@@ -156,7 +156,7 @@ fuzz() {
   command -v cargo-fuzz >/dev/null || cargo install cargo-fuzz --locked
   rustup toolchain list | grep -q '^nightly' || rustup toolchain install nightly --profile minimal
   local target
-  for target in link session; do
+  for target in link lockstep; do
     step "fuzz $target"
     mkdir -p "fuzz/corpus/$target"
     cargo +nightly fuzz run --fuzz-dir fuzz "$target" "fuzz/corpus/$target" "fuzz/seeds/$target" -- -max_total_time=$(($1 / 2)) -max_len=4096 \

@@ -5,8 +5,8 @@ use core::sync::atomic::{Ordering, compiler_fence};
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_semihosting::{nr, syscall};
-use shared::protocol::FRAME;
-use shared::session::Meter;
+use shared::lockstep::protocol::FRAME;
+use shared::lockstep::session::Meter;
 
 /// The name by which semihosting opens standard input or output.
 const CONSOLE: &[u8] = b":tt\0";

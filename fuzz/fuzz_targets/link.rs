@@ -13,12 +13,11 @@ use libfuzzer_sys::fuzz_target;
 use rig::{BOARD, IDENTITY, Line, Memory, SLOTS, STEPS, TICK_HZ, TIMES, TestBench, settings};
 use shared::drive::{Amplifier, AnyOutput, DriveSystem, EnableSwitch, StatusLight};
 use shared::interpolate::Block;
-use shared::link::message::{FromBoard, Jog, Reply, Request, UploadKind};
+use shared::link::message::{FromBoard, Jog, LONGEST_UPLOAD, Reply, Request, UploadKind};
 use shared::link::packet::{self, Frame, Header};
 use shared::link::report::{DirectionReport, SettingsReport};
 use shared::link::{HostedDrive, LinkCounts, Receiver, Server, SettingsMemory, Status};
 use shared::machine::Machine;
-use shared::protocol::LONGEST_ORDER;
 use shared::scalar::Fixed;
 use shared::storage::Store;
 use shared::units::Position;
@@ -130,7 +129,7 @@ impl Board<'_> {
 
     /// Settings with some of their bytes replaced, or the same of nothing as a compensation.
     fn upload(&mut self, patches: &[u8]) {
-        let mut buffer = [0; LONGEST_ORDER];
+        let mut buffer = [0; LONGEST_UPLOAD];
         let bytes = postcard::to_slice(&settings(), &mut buffer).expect("they fit");
         for patch in patches[1..].chunks_exact(2 + 8) {
             let at = usize::from(u16::from_le_bytes([patch[0], patch[1]])) % bytes.len();

@@ -3,12 +3,12 @@
 //!
 //! `cargo run --release -p host-sim --example one_axis`
 
-use link::controller::Format;
 use model::machine::Machine;
-use model::motion::Motion;
+use motion::Motion;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{Run, controller};
+use shared::scalar::Format;
 
 /// Kp = 40 1/s without feed-forward: at 50 mm/s the following error is 50/40 = 1.25 mm.
 const MACHINE: &str = r#"

@@ -7,8 +7,8 @@
 use cortex_m_rt::entry;
 use firmware::emulated::{Host, InstructionMeter};
 use firmware::emulator::end;
-use shared::protocol::{FRAME, encode};
-use shared::session::Session;
+use shared::lockstep::protocol::{FRAME, encode};
+use shared::lockstep::session::Session;
 
 #[entry]
 fn main() -> ! {

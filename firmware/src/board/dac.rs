@@ -1,8 +1,5 @@
 //! The two channels of the converter for ±10 V outputs.
 
-use core::convert::Infallible;
-
-use shared::drive::pins::Dac;
 use stm32f4xx_hal::gpio::{Analog, PA4, PA5};
 use stm32f4xx_hal::pac::DAC;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
@@ -28,22 +25,9 @@ impl AnalogOutputs {
 
     /// Sets the channel of an axis.
     pub fn set(&mut self, axis: usize, counts: u16) {
-        // The trait's error is impossible.
-        let Ok(()) = Channel(&self.0, axis).set_counts(counts);
-    }
-}
-
-/// One channel.
-struct Channel<'a>(&'a DAC, usize);
-
-impl Dac for Channel<'_> {
-    type Error = Infallible;
-
-    fn set_counts(&mut self, counts: u16) -> Result<(), Infallible> {
         let counts = counts.min(4095);
-        let register = if self.1 == 0 { self.0.dhr12r1() } else { self.0.dhr12r2() };
+        let register = if axis == 0 { self.0.dhr12r1() } else { self.0.dhr12r2() };
         // SAFETY: twelve bits.
         register.write(|w| unsafe { w.daccdhr().bits(counts) });
-        Ok(())
     }
 }

@@ -226,7 +226,7 @@ impl Board<AXES, DriveSignal> for Hardware {
 
     fn set_signals(&mut self, signals: [DriveSignal; AXES]) {
         for (signal, counter) in signals.iter().zip(&mut self.steps) {
-            if let (DriveSignal::Steps(steps), Some(counter)) = (signal, counter) {
+            if let (DriveSignal::Steps { steps, .. }, Some(counter)) = (signal, counter) {
                 counter.add(*steps);
             }
         }

@@ -6,11 +6,6 @@
 //! The pulse is at the end of the period (PWM mode 2), and a direction pin is set in the first microsecond of the period in
 //! which its duty takes effect: direction and pulse match for any duty.
 
-use core::convert::Infallible;
-
-use embedded_hal::digital::{ErrorType as DigitalError, OutputPin};
-use embedded_hal::pwm::{ErrorType as PwmError, SetDutyCycle};
-use shared::drive::pins::{PwmDirection, SignalPort};
 use shared::drive::{DriveSignal, Duty};
 use stm32f4xx_hal::gpio::{Alternate, Output, PA8, PA9, PB12, PB14, PC10, PC11};
 use stm32f4xx_hal::pac::{self, TIM1};
@@ -30,48 +25,6 @@ pub struct Pins {
 /// The pins of the timer: two PWM outputs, and the break input, which stops the PWM in hardware while it is low. Their types
 /// prove that they are assigned to the timer.
 pub type TimerPins = (PA8<Alternate<1>>, PA9<Alternate<1>>, PB12<Alternate<1>>);
-
-/// A PWM output of the timer. The pulse is at the end of the period.
-struct Channel<'a> {
-    timer: &'a TIM1,
-    axis: usize,
-    full_counts: u16,
-}
-
-impl PwmError for Channel<'_> {
-    type Error = Infallible;
-}
-
-impl SetDutyCycle for Channel<'_> {
-    fn max_duty_cycle(&self) -> u16 {
-        self.full_counts
-    }
-
-    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
-        let compare = if self.axis == 0 { self.timer.ccr1() } else { self.timer.ccr2() };
-        compare.write(|w| w.ccr().set(self.full_counts.saturating_sub(duty)));
-        Ok(())
-    }
-}
-
-/// The direction of the next period.
-struct NextDirection<'a>(&'a mut bool);
-
-impl DigitalError for NextDirection<'_> {
-    type Error = Infallible;
-}
-
-impl OutputPin for NextDirection<'_> {
-    fn set_low(&mut self) -> Result<(), Infallible> {
-        *self.0 = false;
-        Ok(())
-    }
-
-    fn set_high(&mut self) -> Result<(), Infallible> {
-        *self.0 = true;
-        Ok(())
-    }
-}
 
 /// Both power stages.
 pub struct Stages {
@@ -139,17 +92,17 @@ impl Stages {
     /// Sets the inputs of the drives. Pulses and directions are those of the next period, because the compare registers are
     /// buffered; an analogue output changes at once.
     pub fn set(&mut self, signals: [DriveSignal; AXES]) {
-        for (axis, (signal, reverse)) in signals.into_iter().zip(&mut self.reverse).enumerate() {
-            let pwm = Channel { timer: &self.timer, axis, full_counts: self.full_counts };
-            let mut pulse = PwmDirection { pwm, direction: NextDirection(reverse) };
-            let Ok(()) = match signal {
-                DriveSignal::Pwm(duty) => pulse.set(duty),
-                DriveSignal::Steps(steps) => pulse.set(steps),
+        for (axis, (signal, next)) in signals.into_iter().zip(&mut self.reverse).enumerate() {
+            let Duty { reverse, counts } = match signal {
+                DriveSignal::Pwm(pulse) | DriveSignal::Steps { pulse, .. } => pulse,
                 DriveSignal::Analog(counts) => {
                     self.analog.set(axis, counts);
-                    pulse.set(Duty::default())
+                    Duty::default()
                 }
             };
+            *next = reverse;
+            let compare = if axis == 0 { self.timer.ccr1() } else { self.timer.ccr2() };
+            compare.write(|w| w.ccr().set(self.full_counts.saturating_sub(counts)));
         }
     }
 

@@ -3,7 +3,7 @@
 use core::hint::black_box;
 
 use cortex_m_semihosting::hprintln;
-use shared::session::Meter;
+use shared::lockstep::session::Meter;
 
 use super::motion::TICKS;
 use crate::emulated::InstructionMeter;

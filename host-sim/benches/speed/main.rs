@@ -10,12 +10,14 @@ mod plain;
 use std::hint::black_box;
 use std::time::Instant;
 
-use link::controller::{AxisOutput, Controller, Format, PathBlock, PathShape};
 use model::machine::Machine;
+use motion::{PathBlock, PathShape};
+use plant::controller::{AxisOutput, Controller};
 use plant::instruments::Instruments;
 use plant::machine_sim::MachineSim;
 use plant::simulate;
 use shared::axis::Reading;
+use shared::scalar::Format;
 use shared::units::Position;
 
 use plain::Plain;

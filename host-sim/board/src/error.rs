@@ -42,7 +42,7 @@ pub enum BoardError {
     Stopped(String),
     /// The board has held the path.
     #[error(
-        "the path is held: this program was silent for {silent_s} s, or another port holds it; resume continues it, stop discards it"
+        "the path is held: this program was silent for {silent_s} s, or another port holds it; `board resume` continues it, `board stop` discards it"
     )]
     Held {
         /// Silence after which the board holds the path.

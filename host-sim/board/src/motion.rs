@@ -87,7 +87,7 @@ impl Client {
 pub fn stopped(status: &Status) -> BoardError {
     BoardError::Stopped(match status.power {
         Power::Stopping(fault) | Power::Faulted(fault) => {
-            format!("the drives have stopped: {}; clear acknowledges it", refusal::fault(fault))
+            format!("the drives have stopped: {}; `board clear` acknowledges it", refusal::fault(fault))
         }
         Power::Off => {
             "the drives have gone off: the enable switch was opened, or they were disabled".to_owned()

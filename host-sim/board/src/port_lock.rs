@@ -64,7 +64,7 @@ fn holder(file: File) -> String {
     format!("{} (a Ctrl-C there stops what it moves)", text.escape_default())
 }
 
-/// The program of a process, in words: `lost-motion jog --port bench (process 4711)`.
+/// The program of a process, in words: `lost-motion board jog --port bench (process 4711)`.
 fn describe(process: u32) -> String {
     let line = fs::read(format!("/proc/{process}/cmdline")).unwrap_or_default();
     let mut words = line.split(|byte| *byte == 0).map(String::from_utf8_lossy);

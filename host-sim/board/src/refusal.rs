@@ -46,10 +46,10 @@ pub fn text(refusal: &Refusal) -> String {
         Refusal::NotArmed => {
             "the enable switch is open, or was closed before the last stop: open it, then close it".into()
         }
-        Refusal::Faulted(fault) => format!("{}; clear acknowledges it", self::fault(*fault)),
-        Refusal::DrivesOff => "the drives are off; enable switches them on".into(),
-        Refusal::DrivesOn => "the drives are on; disable switches them off".into(),
-        Refusal::Moving => "the axes move or are held on a path; stop ends it".into(),
+        Refusal::Faulted(fault) => format!("{}; `board clear` acknowledges it", self::fault(*fault)),
+        Refusal::DrivesOff => "the drives are off; `board enable` switches them on".into(),
+        Refusal::DrivesOn => "the drives are on; `board disable` switches them off".into(),
+        Refusal::Moving => "the axes move or are held on a path; `board stop` ends it".into(),
         Refusal::Homing(failure) => homing(*failure),
         Refusal::Direction(problem) => direction_problem(*problem).into(),
         Refusal::NotHeld => "nothing is held".into(),

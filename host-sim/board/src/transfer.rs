@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use serde::Serialize;
-use shared::link::message::{AXES, PART, Reply, Request, UploadKind};
+use shared::link::message::{AXES, LONGEST_UPLOAD, PART, Reply, Request, UploadKind};
 use shared::link::packet;
 use shared::link::report::CaptureReport;
 
@@ -14,16 +14,13 @@ use crate::samples::{self, AxisSample};
 /// Longest wait while the flash is erased: at most 4 s on an STM32F405.
 const ERASE_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// Greatest number of bytes of an upload.
-const CAPACITY: usize = shared::protocol::LONGEST_ORDER;
-
 impl Client {
     /// Sends settings or a compensation; the board checks and applies them as a whole.
     ///
     /// # Errors
     /// [`BoardError`], a setting that the board refuses included.
     pub fn upload(&mut self, kind: UploadKind, contents: &impl Serialize) -> Result<(), BoardError> {
-        let mut buffer = vec![0; CAPACITY];
+        let mut buffer = vec![0; LONGEST_UPLOAD];
         let bytes = postcard::to_slice(contents, &mut buffer).map_err(|_| BoardError::TooLong)?;
         let length = u16::try_from(bytes.len()).map_err(|_| BoardError::TooLong)?;
         for (part, offset) in bytes.chunks(PART).zip((0u16..).step_by(PART)) {

@@ -16,8 +16,8 @@ use crate::servo::ControllerChange;
 use contour::verification::Prediction;
 use files::document::{Document, read_text};
 use files::error::InputError;
-use link::controller::{Controller, ControllerError};
 use model::machine::Machine;
+use plant::controller::{Controller, ControllerError};
 
 /// A compensation file: for each axis the settings of the controller's compensations, in SI, and changes of its gains.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

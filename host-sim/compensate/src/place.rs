@@ -1,10 +1,11 @@
 //! Where the controller of a simulated machine runs.
 
-use link::controller::{Controller, Format};
-use link::emulator::DEFAULT_TIMEOUT;
-use link::remote::Remote;
+use lockstep::emulator::DEFAULT_TIMEOUT;
+use lockstep::remote::Remote;
 use model::machine::Machine;
+use plant::controller::Controller;
 use plant::simulate::{self, SimulationError};
+use shared::scalar::Format;
 
 /// Where a controller runs. Its results are the same bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,7 +20,7 @@ impl Place {
     /// The emulated core if the emulator is installed and its program is built; this process otherwise.
     #[must_use]
     pub fn found() -> Self {
-        if link::open("emulated", DEFAULT_TIMEOUT).is_ok() { Self::EmulatedCore } else { Self::Host }
+        if lockstep::open("emulated", DEFAULT_TIMEOUT).is_ok() { Self::EmulatedCore } else { Self::Host }
     }
 
     /// A fixed-point controller for a machine at rest at `start_m`, drives off.
@@ -35,7 +36,7 @@ impl Place {
             Self::Host => simulate::controller(machine, Format::Fixed, start_m),
             Self::EmulatedCore => {
                 let (settings, start) = simulate::controller_setup(machine, start_m)?;
-                let connection = link::open("emulated", DEFAULT_TIMEOUT)?;
+                let connection = lockstep::open("emulated", DEFAULT_TIMEOUT)?;
                 Ok(Box::new(Remote::set_up(connection, Format::Fixed, machine.rates(), &settings, &start)?))
             }
         }

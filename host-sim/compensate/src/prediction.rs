@@ -10,7 +10,7 @@ use contour::{ContourError, LoggedMotion};
 use files::error::InputError;
 use files::log::Log;
 use model::machine::Machine;
-use model::motion::Motion;
+use motion::Motion;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::machine_sim::MachineSim;

@@ -7,7 +7,7 @@ use crate::mapped;
 use crate::prediction::TestMotion;
 use files::error::InputError;
 use model::machine::Machine;
-use model::motion::{Block, Motion, Pace, Sweep};
+use motion::{Block, Motion, Pace, Sweep};
 
 /// Strokes between reversals, mm, with their feeds, mm/s: from creeping through presliding to brisk.
 const REVERSALS: [(f64, f64); 5] = [(0.05, 0.1), (0.2, 0.5), (1.0, 2.5), (4.0, 10.0), (12.0, 40.0)];

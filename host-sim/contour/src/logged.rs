@@ -5,7 +5,7 @@ use super::path::NominalPath;
 use super::vector::Point;
 use files::error::InputError;
 use files::log::{AxisLog, Channel, Log, Unit};
-use link::controller::MAX_AXES;
+use motion::MAX_AXES;
 
 /// Channels that measure the position, the nearest to the tool first.
 pub const POSITIONS: [Channel; 3] = [Channel::Tool, Channel::Table, Channel::Motor];

@@ -6,7 +6,7 @@ use super::circle_fit;
 use super::path_circle::{PathArc, PathCircle};
 use super::piece::{Piece, Shape};
 use super::vector::{Point, distance, minus, unit};
-use link::controller::{MAX_AXES, PathBlock, PathShape};
+use motion::{MAX_AXES, PathBlock, PathShape};
 
 /// Smallest distance of two points of a path that is made of the samples of a command, m. Nearer samples are left out;
 /// at a corner of 90° the path is then at most 0.05 µm from the command.

@@ -19,13 +19,13 @@ use compensate::round_trip::{self, Compared, RealMachine, SimulatedMachine};
 use contour::log_error::LogError;
 use files::error::InputError;
 use files::log::Log;
-use link::controller::Format;
 use model::effects::Stage;
 use model::machine::Machine;
-use model::motion::Motion;
+use motion::Motion;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run, SimulationError};
+use shared::scalar::Format;
 use trace::Trace;
 use trace::outcome::{AxisTrace, StageError};
 

@@ -1,4 +1,4 @@
-//! The declared model of a machine, and the motion file.
+//! The declared model of a machine.
 //!
 //! - [`axis`]: the settings of one axis.
 //! - [`effects`]: the catalogue of effects that a declared model may lack.
@@ -6,7 +6,6 @@
 //! - [`bodies`]: a machine as rigid bodies on elastic joints.
 //! - [`friction_curve`]: published friction curves.
 //! - [`friction_law`]: functions of velocity that effects and friction maps share.
-//! - [`motion`]: the motion file.
 //! - [`servo`]: converts the settings of an axis, and the effects in its controller, into settings of [`shared`].
 //! - [`position_curve`]: a quantity over position, given at knots.
 //! - [`residual_table`]: a residual that no effect describes.
@@ -19,7 +18,6 @@ pub mod examples;
 pub mod friction_curve;
 pub mod friction_law;
 pub mod machine;
-pub mod motion;
 pub mod position_curve;
 pub mod range;
 pub mod residual_table;

@@ -4,6 +4,7 @@
 //!
 //! | | |
 //! |---|---|
+//! | [`controller`] | what the closed loop needs of a controller, and the controller in this process |
 //! | [`machine_path`] | the motion file as blocks in the axes of the machine |
 //! | [`simulate`] | the closed loop: the controller of a machine file, a run along a path, its log |
 //! | [`machine_sim`] | the machine in one tick: commanded forces in, readings and measurements out |
@@ -28,6 +29,7 @@
 //! [`parameters::AxisParameters`].
 
 pub mod axis_motion;
+pub mod controller;
 pub mod coupled_axes;
 pub mod delay;
 pub mod driven;

@@ -4,9 +4,9 @@ use indexmap::IndexMap;
 use shared::interpolate::Joint;
 
 use files::error::InputError;
-use link::controller::{PathBlock, PathShape};
 use model::machine::Machine;
-use model::motion::{Block, Direction, Motion, Pace, Sweep};
+use motion::{Block, Direction, Motion, Pace, Sweep};
+use motion::{PathBlock, PathShape};
 
 /// The start of a motion and its blocks, as the controller of a machine takes them.
 #[derive(Clone, Debug, PartialEq)]

@@ -15,11 +15,12 @@ pub use error::{MAX_RUN_S, SimulationError};
 pub use sample::Sample;
 pub use setup::{controller, controller_setup};
 
+use crate::controller::{AxisOutput, Controller, Status};
 use crate::instruments::Instruments;
 use crate::machine_sim::MachineSim;
 use files::log::Log;
-use link::controller::{AxisOutput, Controller, PathBlock, Status};
 use model::machine::Machine;
+use motion::PathBlock;
 
 /// A run of a machine along a path.
 #[derive(Clone, Copy, Debug)]

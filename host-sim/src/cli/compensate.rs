@@ -18,7 +18,7 @@ use files::output::write_whole;
 use margins::MarginLimits;
 use margins::axis_margins::{self, AxisMargins, MarginError};
 use model::machine::Machine;
-use model::motion::Motion;
+use motion::Motion;
 use plant::instruments::Instruments;
 
 /// Motions whose contour error counts if none is given.

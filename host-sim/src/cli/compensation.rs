@@ -7,10 +7,10 @@ use anyhow::Result;
 use compensate::{CompensationFile, mapped};
 use contour::NominalPath;
 use files::error::InputError;
-use link::controller::Controller;
 use margins::MarginLimits;
 use margins::change::first_too_little;
 use model::machine::Machine;
+use plant::controller::Controller;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 

@@ -15,7 +15,7 @@ use files::output::{remove, write_whole};
 use improve::outcome::Improvement;
 use improve::{ImproveError, Improving};
 use model::machine::Machine;
-use model::motion::Motion;
+use motion::Motion;
 use plant::instruments::Instruments;
 use report::before_after::RoundTripMotion;
 use report::improvement_page;

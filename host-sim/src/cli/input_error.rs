@@ -6,8 +6,9 @@ use shared::interpolate::PathError;
 use shared::machine::MachineError;
 
 use files::error::InputError;
-use link::controller::{ControllerError, MAX_AXES};
 use model::machine::Machine;
+use motion::MAX_AXES;
+use plant::controller::ControllerError;
 use plant::simulate::SimulationError;
 
 /// The inputs of a run, and the names of their files.

@@ -10,8 +10,9 @@ use contour::vector::Point;
 use contour::{ContourError, Evaluation, NominalPath};
 use files::log::{Channel, write_rows};
 use files::output::OutputError;
-use link::controller::{Controller, MAX_AXES, Status};
 use model::machine::Machine;
+use motion::MAX_AXES;
+use plant::controller::{Controller, Status};
 use plant::simulate::{Run, Sample, SimulationError};
 
 /// Statistics of a finished run.

@@ -49,36 +49,9 @@ enum Command {
     /// Run a motion with the controller on the emulated core, or on a servo board, and log it. On a board it switches the drives
     /// on if they are off.
     Record(record::Arguments),
-    /// List the serial ports, and the emulated servo board.
-    Ports,
-    /// What a servo board is and does, with its last faults.
-    Status(board::status::Arguments),
-    /// Send the settings of a machine file, and a compensation, to a servo board.
-    Upload(board::upload::Arguments),
-    /// Switch the drives of a servo board on.
-    Enable(board::simple::Arguments),
-    /// Switch the drives of a servo board off at once.
-    Disable(board::simple::Arguments),
-    /// Acknowledge a fault of a servo board.
-    Clear(board::simple::Arguments),
-    /// Move one axis of a servo board. Switches the drives on if they are off.
-    Jog(board::jog::Arguments),
-    /// Push an axis of a servo board with a small force, loops open, and tell whether it moves the right way.
-    CheckDirection(board::direction::Arguments),
-    /// Move an axis of a servo board to its reference. Switches the drives on if they are off.
-    Home(board::AxisArguments),
-    /// Feed hold: decelerate along the path, which `resume` continues.
-    Hold(board::simple::Arguments),
-    /// Continue the path after a hold, and wait for its end.
-    Resume(board::simple::Arguments),
-    /// Decelerate along the path and discard the rest of it.
-    Stop(board::simple::Arguments),
-    /// Print a line about a servo board again and again.
-    Monitor(board::monitor::Arguments),
-    /// Record every tick in the memory of a servo board and write the log.
-    Capture(board::capture::Arguments),
-    /// Operate the switches of the simulated machine of the emulated servo board.
-    Bench(board::bench::Arguments),
+    /// Ask, operate and set up a servo board; `record` runs a motion on it.
+    #[command(subcommand)]
+    Board(board::Verb),
     /// Turn the effects of a model into the compensation that the controller applies, and predict the contour error.
     Compensate(compensate::Arguments),
     /// Run the same motions in fixed point, f32, f64 and with f32 positions, and compare errors and cost.
@@ -110,21 +83,7 @@ pub fn run() -> ExitCode {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),
-        Command::Ports => board::ports::run(),
-        Command::Status(arguments) => board::status::run(&arguments),
-        Command::Upload(arguments) => board::upload::run(&arguments),
-        Command::Enable(arguments) => board::simple::enable(&arguments),
-        Command::Disable(arguments) => board::simple::disable(&arguments),
-        Command::Clear(arguments) => board::simple::clear(&arguments),
-        Command::Jog(arguments) => board::jog::run(&arguments),
-        Command::CheckDirection(arguments) => board::direction::run(&arguments),
-        Command::Home(arguments) => board::simple::home(&arguments),
-        Command::Hold(arguments) => board::simple::hold(&arguments),
-        Command::Resume(arguments) => board::simple::resume(&arguments),
-        Command::Stop(arguments) => board::simple::stop(&arguments),
-        Command::Monitor(arguments) => board::monitor::run(&arguments),
-        Command::Capture(arguments) => board::capture::run(&arguments),
-        Command::Bench(arguments) => board::bench::run(&arguments),
+        Command::Board(verb) => board::run(&verb),
         Command::Compensate(arguments) => compensate::run(&arguments),
         Command::Margins(arguments) => margins::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),

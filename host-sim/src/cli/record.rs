@@ -12,14 +12,14 @@ use super::input_error::Inputs;
 use super::logged_run;
 use super::outputs::{Output, check_outputs, print};
 use files::error::InputError;
-use link::controller::Format;
-use link::emulator::{DEFAULT_TIMEOUT, Emulator};
-use link::remote::Remote;
+use lockstep::emulator::{DEFAULT_TIMEOUT, Emulator};
+use lockstep::remote::Remote;
 use model::machine::Machine;
-use model::motion::Motion;
+use motion::Motion;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run, SimulationError};
+use shared::scalar::Format;
 
 /// Name of the demo machine in messages.
 const DEMO_MACHINE: &str = "machines/demo.toml";
@@ -112,7 +112,7 @@ fn is_core(port: &str) -> bool {
 /// Runs the motion on a servo board.
 fn on_board(arguments: &Arguments) -> Result<()> {
     if arguments.compensation.is_some() {
-        let problem = "a board keeps its compensation: send it with `upload` before";
+        let problem = "a board keeps its compensation: send it with `board upload` before";
         return Err(InputError::new("--compensation", problem).into());
     }
     let machine_path = arguments.machine.as_deref().unwrap_or(&arguments.motion);
@@ -143,7 +143,7 @@ fn set_up(
     start_m: &[f64],
 ) -> Result<Remote<Emulator>, SimulationError> {
     let (settings, start) = simulate::controller_setup(machine, start_m)?;
-    let connection = link::open(port, timeout)?;
+    let connection = lockstep::open(port, timeout)?;
     Ok(Remote::set_up(connection, Format::Fixed, machine.rates(), &settings, &start)?)
 }
 

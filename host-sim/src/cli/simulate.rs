@@ -8,12 +8,12 @@ use super::compensation::Compensated;
 use super::input_error::Inputs;
 use super::logged_run;
 use super::outputs::{Output, check_outputs, print};
-use link::controller::Format;
 use model::machine::Machine;
-use model::motion::Motion;
+use motion::Motion;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run};
+use shared::scalar::Format;
 
 /// The number format of a controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]

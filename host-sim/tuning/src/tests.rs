@@ -1,6 +1,6 @@
 use super::*;
 use margins::axis_margins::AxisLoops;
-use model::motion::Motion;
+use motion::Motion;
 
 /// A rigid axis: 100 kg, velocity loop at 8 kHz, position loop at 2 kHz, no lag of drive or sensors.
 const RIGID: &str = r#"name = "rigid"

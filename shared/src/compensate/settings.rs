@@ -175,3 +175,41 @@ pub enum Straightness {
     /// As a function of the position of the other axis, m.
     Over(Points),
 }
+
+#[cfg(test)]
+impl CompensationSettings {
+    /// For tests of messages: every setting present, every table at its capacity, and numbers without a short form.
+    pub(crate) fn longest() -> Self {
+        let values = || (0..POINTS).map(|k| 1.0 / (3.0 + k as f64)).collect();
+        let points = || Points { start_m: -0.1, spacing_m: 0.3, values: values() };
+        let cycles = || [0.1, 0.3].map(|period_m| Cycle { period_m, values: values() }).into_iter().collect();
+        let stribeck = Some(Stribeck { excess_n: 0.1, velocity_m_per_s: 0.3 });
+        Self {
+            pitch: Some(Pitch { of: PitchSource::Scale, forward: points(), backward: Some(points()) }),
+            backlash_width_m: Some(0.1),
+            screw: cycles(),
+            dividing: cycles(),
+            reversal: Some(Reversal { force_n: 0.1, decay_s: 0.3, fade_m_per_s: 0.7 }),
+            intalk: Some(Talk::Over(points())),
+            crosstalk: Some((u8::MAX, Talk::Over(points()))),
+            squareness: Some((u8::MAX, 0.1)),
+            straightness: Some((u8::MAX, Straightness::Over(points()))),
+            ripple: cycles(),
+            force: Some(ForceModel {
+                motor_stribeck: stribeck,
+                friction: TableFriction {
+                    presliding_stiffness_n_per_m: Some(0.1),
+                    stribeck,
+                    map: Some(points()),
+                    warm_up: Some(FrictionWarmUp { force_n: 0.1, time_constant_s: 0.3 }),
+                    ..TableFriction::default()
+                },
+                load: Some(points()),
+                ..ForceModel::default()
+            }),
+            stretch_m_per_n: Some(0.1),
+            drift: Some(TimePoints { start_s: 0.1, spacing_s: 0.3, values: values() }),
+            ..Self::default()
+        }
+    }
+}

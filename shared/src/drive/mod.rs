@@ -17,7 +17,6 @@ pub mod inputs;
 pub mod limit_guard;
 pub mod linear_input;
 pub mod output;
-pub mod pins;
 pub mod status_light;
 pub mod step;
 

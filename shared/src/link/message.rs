@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 pub use super::history::HISTORY;
 use super::history::HistoryEntry;
+pub use super::packet::AXES;
 use super::refusal::Refusal;
 use super::report::{CaptureReport, Status, Welcome};
 use super::stream::StreamPacket;
@@ -12,7 +13,9 @@ use crate::compensate::CompensationKind;
 use crate::config::{AxisSettings, Rates};
 use crate::drive::direction_check::DirectionCheckSettings;
 use crate::interpolate::Block;
-pub use crate::protocol::AXES;
+
+/// Length of the longest upload in bytes: a compensation with every table at its capacity has 7.6 kB.
+pub const LONGEST_UPLOAD: usize = 7680;
 
 /// Greatest number of bytes of an upload in a request.
 pub const PART: usize = 384;
@@ -193,4 +196,18 @@ pub enum FromBoard {
     Reply(Reply),
     /// Samples of the stream.
     Stream(StreamPacket),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compensate::CompensationSettings;
+
+    /// Less than a part remains free, so that the capacity is not larger than necessary.
+    #[test]
+    fn the_longest_upload_fits_its_capacity() {
+        let mut bytes = [0; LONGEST_UPLOAD];
+        let length = postcard::to_slice(&CompensationSettings::longest(), &mut bytes).unwrap().len();
+        assert!(length > LONGEST_UPLOAD - PART, "{length} bytes");
+    }
 }

@@ -7,7 +7,7 @@
 //! | [`packet`] | a message in bytes: version, session, sequence number, CRC-32, COBS |
 //! | [`receiver`] | bytes to packets; whatever cannot be one is counted by its kind |
 //! | [`message`], [`refusal`], [`report`] | requests and replies |
-//! | [`conversation`] | which request is new, repeated, old or of another session |
+//! | [`session`] | which request is new, repeated, old or of another session |
 //! | [`hosted_drive`] | the part that runs in the tick: drives, silence of the host, jog, recording, history of faults |
 //! | [`server`] | the part that runs between ticks: executes requests |
 //! | [`settings_memory`] | what was uploaded, in flash |
@@ -23,7 +23,6 @@
 //! - A board with two ports has one host: the other port opens a session only while the host is silent.
 //! - A motion is checked whole before it starts. A request that is refused changes nothing.
 
-pub mod conversation;
 pub mod history;
 pub mod hosted_drive;
 pub mod message;
@@ -33,6 +32,7 @@ pub mod receiver;
 pub mod refusal;
 pub mod report;
 pub mod server;
+pub mod session;
 pub mod settings_memory;
 pub mod stream;
 pub mod two_ports;

@@ -17,6 +17,9 @@ use serde::{Deserialize, Serialize};
 /// Version of the packets and messages.
 pub const VERSION: u8 = 3;
 
+/// Number of axes of the messages.
+pub const AXES: usize = 2;
+
 /// Greatest length of a message in postcard, bytes.
 pub const MAX_MESSAGE: usize = 480;
 

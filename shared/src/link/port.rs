@@ -1,7 +1,7 @@
 //! What a board provides to the server.
 
 use super::hosted_drive::HostedDrive;
-use super::message::AXES;
+use super::packet::AXES;
 use super::report::UsbState;
 use crate::scalar::Scalar;
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::message::AXES;
+use super::packet::AXES;
 use super::receiver::LinkCounts;
 use crate::capture::{CaptureState, ChannelSteps};
 use crate::config::Rates;
@@ -59,7 +59,7 @@ pub struct Welcome {
     pub board: heapless::String<32>,
     /// Version of its program.
     pub software: heapless::String<16>,
-    /// The sources of its program: [`SOURCES`](crate::protocol::SOURCES).
+    /// The sources of its program: [`SOURCES`](crate::SOURCES).
     pub sources: u64,
     /// Number of axes.
     pub axes: u8,

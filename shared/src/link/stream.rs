@@ -3,7 +3,7 @@
 use heapless::Deque;
 use serde::{Deserialize, Serialize};
 
-use super::message::AXES;
+use super::packet::AXES;
 use crate::capture::{Encoder, Sample};
 
 /// Samples that wait to be sent. At 20 kHz they last 3.2 ms.

@@ -41,7 +41,21 @@ use core::ops::{Add, AddAssign, Mul, Neg, Sub};
 pub use fixed_point::Fixed;
 pub(crate) use fixed_point::narrow;
 
+use serde::{Deserialize, Serialize};
+
 use crate::units::Position;
+
+/// A number format, as a choice at run time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Format {
+    /// Fixed point, [`Fixed`], as on the board.
+    #[default]
+    Fixed,
+    /// Single precision.
+    F32,
+    /// Double precision.
+    F64,
+}
 
 /// A signal that control laws compute with, in the units of [`crate::units`].
 ///

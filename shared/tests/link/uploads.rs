@@ -4,18 +4,17 @@ use embedded_storage::nor_flash::NorFlash;
 use serde::Serialize;
 use shared::compensate::CompensationSettings;
 use shared::config::Rates;
-use shared::link::message::{BoardSettings, PART, Reply, Request, UploadKind};
+use shared::link::message::{BoardSettings, LONGEST_UPLOAD, PART, Reply, Request, UploadKind};
 use shared::link::packet;
 use shared::link::refusal::{SettingProblem, UploadError};
 use shared::link::{Refusal, Status};
-use shared::protocol::LONGEST_ORDER;
 use shared::safety::Fault;
 
 use super::jog_by;
 use super::rig::{Rig, settings};
 
 pub fn bytes_of(contents: &impl Serialize) -> Vec<u8> {
-    let mut buffer = [0; LONGEST_ORDER];
+    let mut buffer = [0; LONGEST_UPLOAD];
     postcard::to_slice(contents, &mut buffer).unwrap().to_vec()
 }
 
@@ -116,8 +115,8 @@ fn an_incomplete_or_damaged_upload_is_refused_by_name() {
     assert_eq!(rig.request(&gap), refused(UploadError::OutOfOrder { expected: length }));
     // None of them has changed what is there.
     assert_eq!(rig.request(&Request::Apply { kind, length, checksum }), Reply::Done);
-    let beyond = stage(&mut rig, UploadKind::Settings, &vec![7; LONGEST_ORDER]);
-    let end = u16::try_from(LONGEST_ORDER).unwrap();
+    let beyond = stage(&mut rig, UploadKind::Settings, &vec![7; LONGEST_UPLOAD]);
+    let end = u16::try_from(LONGEST_UPLOAD).unwrap();
     let more = Request::Upload { offset: end, bytes: part() };
     assert_eq!(rig.request(&more), refused(UploadError::TooLong { max: end }));
     assert_eq!(rig.request(&beyond), refused(UploadError::Unreadable));

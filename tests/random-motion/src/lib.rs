@@ -13,11 +13,11 @@ mod settings;
 use shared::compensate::CompensationKind;
 use shared::config::AxisSettings;
 use shared::interpolate::Block;
-use shared::protocol::{
-    AXES, Answer, FRAME, Format, LONGEST_ORDER, Order, PART, Part, Setup, TickResult, decode, encode,
+use shared::lockstep::protocol::{
+    AXES, Answer, FRAME, LONGEST_ORDER, Order, PART, Part, Setup, TickResult, decode, encode,
 };
 use shared::safety::{Fault, FaultKind, Power};
-use shared::scalar::{Fixed, Scalar};
+use shared::scalar::{Fixed, Format, Scalar};
 use shared::units::Position;
 
 use draws::Draws;

@@ -3,8 +3,9 @@
 //! `random-motion FIRST COUNT TICKS`
 
 use random_motion::{Motion, run};
-use shared::protocol::{Format, encode};
-use shared::session::{NoMeter, Session};
+use shared::lockstep::protocol::encode;
+use shared::lockstep::session::{NoMeter, Session};
+use shared::scalar::Format;
 
 fn main() {
     let numbers: Vec<u64> = std::env::args().skip(1).filter_map(|number| number.parse().ok()).collect();

@@ -1,7 +1,7 @@
 //! Two masses with friction, and sensors that fail at random.
 
+use shared::lockstep::protocol::AXES;
 use shared::machine::Reading;
-use shared::protocol::AXES;
 use shared::units::Position;
 
 use super::draws::Draws;

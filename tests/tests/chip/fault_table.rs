@@ -3,14 +3,15 @@
 //!
 //! The table is written out here, apart from the code and as in `docs/controller.md`. `--nocapture` prints the number of cases.
 
-use link::emulator::{DEFAULT_TIMEOUT, Emulator};
-use link::remote::Connection;
+use lockstep::emulator::{DEFAULT_TIMEOUT, Emulator};
+use lockstep::remote::Connection;
 use shared::axis::Reading;
 use shared::config::{AxisSettings, Rates};
 use shared::interpolate::Block;
-use shared::protocol::{AXES, Answer, FRAME, Format, Order, Setup, TickResult, decode, encode};
+use shared::lockstep::protocol::{AXES, Answer, FRAME, Order, Setup, TickResult, decode, encode};
+use shared::lockstep::session::{NoMeter, Session};
 use shared::safety::{Fault, FaultKind, Power};
-use shared::session::{NoMeter, Session};
+use shared::scalar::Format;
 use shared::units::Position;
 
 /// What a fault does to drives that are on.

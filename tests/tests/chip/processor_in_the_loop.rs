@@ -5,14 +5,16 @@
 
 use std::time::Instant;
 
-use link::controller::{AxisOutput, Controller, Format, PathBlock, PathShape, Status};
-use link::emulator::{DEFAULT_TIMEOUT, Emulator};
-use link::remote::{Connection, Remote};
+use lockstep::emulator::{DEFAULT_TIMEOUT, Emulator};
+use lockstep::remote::{Connection, Remote};
 use model::machine::Machine;
+use motion::{PathBlock, PathShape};
+use plant::controller::{AxisOutput, Controller, Status};
 use plant::instruments::Instruments;
 use plant::sensors::Sensor;
 use plant::simulate::{Run, controller, controller_setup};
-use shared::protocol::{Answer, FRAME, Order, Refusal, decode, encode};
+use shared::lockstep::protocol::{Answer, FRAME, Order, Rejection, decode, encode};
+use shared::scalar::Format;
 
 /// Two axes with all features of a machine file: both laws, integral part, feed-forward, dual feedback.
 const MACHINE: &str = r#"
@@ -198,10 +200,10 @@ fn an_unreadable_frame_is_rejected_and_an_end_order_ends_the_program() {
     let mut emulator = emulator();
     let mut frame = [0xff; FRAME];
     emulator.exchange(&mut frame).unwrap();
-    assert_eq!(decode::<Answer>(&frame), Ok(Answer::Refused(Refusal::Unreadable)));
+    assert_eq!(decode::<Answer>(&frame), Ok(Answer::Rejected(Rejection::Unreadable)));
     encode(&Order::Enable, &mut frame).unwrap();
     emulator.exchange(&mut frame).unwrap();
-    assert_eq!(decode::<Answer>(&frame), Ok(Answer::Refused(Refusal::NotSetUp)));
+    assert_eq!(decode::<Answer>(&frame), Ok(Answer::Rejected(Rejection::NotSetUp)));
     encode(&Order::End, &mut frame).unwrap();
     assert_eq!(emulator.exchange(&mut frame).unwrap_err(), "the emulator has ended");
 }
@@ -216,10 +218,10 @@ mod all_features {
     use shared::compensate::{CompensationKind, CompensationSettings};
     use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
     use shared::interpolate::{Block, Ramps, Smoothing};
+    use shared::lockstep::protocol::{LONGEST_ORDER, PART, Part, Setup};
+    use shared::lockstep::session::{NoMeter, Session};
     use shared::machine::Reading;
-    use shared::protocol::{Format, LONGEST_ORDER, PART, Part, Setup};
     use shared::scalar::{Fixed, Scalar};
-    use shared::session::{NoMeter, Session};
     use shared::units::Position;
 
     use super::*;

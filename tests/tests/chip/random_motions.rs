@@ -6,11 +6,12 @@
 use std::path::Path;
 use std::process::Command;
 
-use link::emulator::{DEFAULT_TIMEOUT, Emulator};
-use link::remote::Connection;
+use lockstep::emulator::{DEFAULT_TIMEOUT, Emulator};
+use lockstep::remote::Connection;
 use random_motion::{Motion, Outcome, faults, run};
-use shared::protocol::{Format, encode};
-use shared::session::{NoMeter, Session};
+use shared::lockstep::protocol::encode;
+use shared::lockstep::session::{NoMeter, Session};
+use shared::scalar::Format;
 
 /// Number of motions, and the ticks of each. Their seeds are 1, 2 and so on.
 const MOTIONS: u64 = 200;

@@ -1,15 +1,17 @@
 //! A known force is added to that of the controller: the model of the motor stage has the same response as the machine.
 
 use files::log::{Log, Unit};
-use link::controller::{AxisOutput, Controller, ControllerError, Format, PathBlock, Status};
 use model::effects::Stage;
 use model::machine::Machine;
-use model::motion::Motion;
+use motion::Motion;
+use motion::PathBlock;
+use plant::controller::{AxisOutput, Controller, ControllerError, Status};
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run};
 use shared::axis::Reading;
 use shared::compensate::CompensationSettings;
+use shared::scalar::Format;
 use trace::fit::axis_model::AxisModel;
 use trace::fit::fit_data::FitData;
 use trace::fit::scope::{Mechanics, Scope};

@@ -65,7 +65,7 @@ impl Board<AXES, DriveSignal> for TestMachine {
     fn set_signals(&mut self, signals: [DriveSignal; AXES]) {
         self.duties = signals.map(|signal| match signal {
             DriveSignal::Pwm(duty) => duty,
-            DriveSignal::Analog(_) | DriveSignal::Steps(_) => panic!("the table has drives with PWM"),
+            DriveSignal::Analog(_) | DriveSignal::Steps { .. } => panic!("the table has drives with PWM"),
         });
     }
 

@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use files::log::{AxisLog, Log};
-use link::controller::{Format, PathBlock};
 use model::axis::Settings;
 use model::machine::{Axis, Machine};
-use model::motion::{Block, Motion};
+use motion::PathBlock;
+use motion::{Block, Motion};
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{Run, controller};
+use shared::scalar::Format;
 
 /// Standstill after the motion, s: the slowest machine has Kp = 33 1/s, and e^(−33·0.5) = 7e-8.
 const STANDSTILL_S: f64 = 1.0;

@@ -5,10 +5,11 @@ use std::fs;
 use std::path::Path;
 
 use files::log::{Log, write_rows};
-use link::controller::{Format, PathBlock};
 use model::machine::Machine;
+use motion::PathBlock;
 use plant::instruments::Instruments;
 use plant::simulate::{Run, Sample, controller};
+use shared::scalar::Format;
 
 /// Peak memory of a run (bytes, beyond that before it) and size of its log.
 fn peak_and_file_bytes(machine: &Machine, seconds: f64, out: &Path) -> (usize, u64) {

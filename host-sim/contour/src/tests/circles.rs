@@ -8,7 +8,7 @@ use super::{assert_near, motion};
 use crate::evaluation::ContourError;
 use crate::logged::LoggedMotion;
 use crate::path::NominalPath;
-use link::controller::{PathBlock, PathShape};
+use motion::{PathBlock, PathShape};
 
 const RADIUS_M: f64 = 0.05;
 

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use super::{SAMPLE_S, assert_near, motion};
 use crate::evaluation::Evaluation;
 use crate::path::NominalPath;
-use link::controller::{PathBlock, PathShape};
+use motion::{PathBlock, PathShape};
 
 /// Points along lines between corners, 20 µm apart.
 fn along(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {

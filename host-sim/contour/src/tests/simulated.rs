@@ -6,13 +6,13 @@ use crate::logged::LoggedMotion;
 use crate::path::NominalPath;
 use crate::verification::{is_better, is_worse};
 use files::log::Log;
-use link::controller::Format;
 use model::examples::DEMO_MACHINE;
 use model::machine::Machine;
-use model::motion::Motion;
+use motion::Motion;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{Run, controller};
+use shared::scalar::Format;
 
 const CIRCLE: &str = include_str!("../../../motions/demo_ballbar.toml");
 const CORNER: &str = include_str!("../../../motions/demo_corner.toml");

@@ -4,9 +4,11 @@
 //! of the linear model. Their loops differ by the rounding of positions to 2⁻⁵⁰ m units and by the second-order
 //! error of the simulated steps: the limits agree within 0.5 %.
 
-use link::controller::{Format, PathBlock, PathShape, in_process};
+use motion::{PathBlock, PathShape};
+use plant::controller::in_process;
 use shared::axis::Reading;
 use shared::interpolate::{Joint, Ramps};
+use shared::scalar::Format;
 use shared::units::Position;
 
 use crate::axis_margins::{AxisLoops, MarginLimits};
@@ -45,7 +47,7 @@ fn growth(machine: &Machine) -> f64 {
         controller.tick(&readings, &mut outputs).unwrap();
         let error_m = (outputs[0].command - readings[0].motor) as f64;
         squares[4 * tick / ticks] += error_m * error_m;
-        sim.step(outputs.iter().map(|output: &link::controller::AxisOutput| output.force_n));
+        sim.step(outputs.iter().map(|output: &plant::controller::AxisOutput| output.force_n));
     }
     (squares[3] / squares[2]).sqrt()
 }

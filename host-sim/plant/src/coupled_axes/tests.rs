@@ -4,8 +4,9 @@ use super::*;
 use crate::instruments::Instruments;
 use crate::simulate::{self, Run};
 use files::log::Log;
-use link::controller::{Format, PathBlock, PathShape};
 use model::machine::Machine;
+use motion::{PathBlock, PathShape};
+use shared::scalar::Format;
 
 const MACHINE: &str = model::examples::BODIES_MACHINE;
 

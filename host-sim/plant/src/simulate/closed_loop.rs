@@ -10,13 +10,14 @@ use shared::units::Position;
 
 use super::error::{self, MAX_RUN_S, SimulationError};
 use super::sample::Sample;
+use crate::controller::{AxisOutput, Controller, ControllerError, Status};
 use crate::delay::CommandDelay;
 use crate::machine_sim::{MachineSim, Measurement};
 use crate::parameters::AxisParameters;
 use files::log::{AxisLog, Log, Unit};
-use link::controller::{AxisOutput, Controller, ControllerError, PathBlock, Status};
 use model::effects::Channel;
 use model::machine::{Axis, Machine};
+use motion::PathBlock;
 
 /// A machine that a controller can move.
 pub trait Plant {

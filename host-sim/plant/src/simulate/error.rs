@@ -4,8 +4,8 @@ use shared::config::AxisSettings;
 use shared::interpolate::PathError;
 use shared::safety::{Fault, FaultKind};
 
+use crate::controller::ControllerError;
 use crate::parameters::AxisParameters;
-use link::controller::ControllerError;
 use model::bodies::StructureError;
 use model::machine::Machine;
 use model::servo;

@@ -4,10 +4,11 @@ use shared::config::AxisSettings;
 use shared::units::Position;
 
 use super::error::SimulationError;
+use crate::controller::Controller;
 use crate::parameters::AxisParameters;
-use link::controller::{Controller, Format};
 use model::machine::Machine;
 use model::servo;
+use shared::scalar::Format;
 
 /// Most steps of the plant per tick: a stiffer machine is refused.
 const MAX_SUBSTEPS: f64 = 500.0;
@@ -22,7 +23,7 @@ pub fn controller(
     start_m: &[f64],
 ) -> Result<Box<dyn Controller>, SimulationError> {
     let (settings, start) = controller_setup(machine, start_m)?;
-    Ok(link::controller::in_process(format, machine.rates(), &settings, &start)?)
+    Ok(crate::controller::in_process(format, machine.rates(), &settings, &start)?)
 }
 
 /// Settings and start of the axes, for a controller in this process or on a chip.

@@ -1,4 +1,4 @@
-//! `lost-motion bench`: the hands at the simulated machine of the emulated board.
+//! `lost-motion board bench`: the hands at the simulated machine of the emulated board.
 
 use anyhow::Result;
 use clap::ValueEnum;
@@ -35,7 +35,7 @@ pub enum Action {
     EraseFlash,
 }
 
-/// Arguments of `bench`.
+/// Arguments of `board bench`.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// What is done at the machine.

@@ -1,11 +1,11 @@
-//! `lost-motion capture`: every tick of both axes, from the memory of the board.
+//! `lost-motion board capture`: every tick of both axes, from the memory of the board.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 
-use super::{PortArguments, check_value};
+use super::port::{PortArguments, check_value};
 use crate::cli::outputs::{Output, check_outputs, print};
 use crate::cli::stop;
 use ::board::Client;
@@ -18,7 +18,7 @@ use shared::capture::{CaptureState, Trigger};
 use shared::link::Request;
 use shared::link::message::AXES;
 
-/// Arguments of `capture`.
+/// Arguments of `board capture`.
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]

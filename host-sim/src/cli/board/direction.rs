@@ -1,11 +1,11 @@
-//! `lost-motion check-direction`: whether a small force moves an axis in the positive direction.
+//! `lost-motion board check-direction`: whether a small force moves an axis in the positive direction.
 
 use std::thread::sleep;
 use std::time::Duration;
 
 use anyhow::{Result, bail};
 
-use super::{AxisArguments, check_value};
+use super::port::{AxisArguments, check_value};
 use crate::cli::outputs::print;
 use crate::cli::progress::Progress;
 use crate::cli::stop;
@@ -25,7 +25,7 @@ const POLL: Duration = Duration::from_millis(50);
 /// Forces of a check.
 const FORCES: &str = "newtons above 0 and up to the force limit of the axis";
 
-/// Arguments of `check-direction`.
+/// Arguments of `board check-direction`.
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
@@ -39,7 +39,7 @@ pub struct Arguments {
     /// Distance that counts as motion and ends the force, mm; up to 5. More than twice the backlash.
     #[arg(long, allow_negative_numbers = true, default_value_t = 0.1, value_name = "MM")]
     distance_mm: f64,
-    /// Do not wait for the enable switch: `status` shows the result.
+    /// Do not wait for the enable switch: `board status` shows the result.
     #[arg(long)]
     no_wait: bool,
 }

@@ -1,11 +1,12 @@
-//! `lost-motion jog`: moves one axis, with the drives switched on if they are off.
+//! `lost-motion board jog`: moves one axis, with the drives switched on if they are off.
 
 use std::ops::RangeInclusive;
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
 
-use super::{AxisArguments, check_value, simple};
+use super::port::{AxisArguments, check_value};
+use super::simple;
 use crate::cli::outputs::print;
 use crate::cli::stop;
 use ::board::motion::POLL;
@@ -25,7 +26,7 @@ const SPEEDS_MM_PER_MIN: RangeInclusive<f64> = 1e-3..=1e6;
 /// Accelerations, m/s².
 const ACCELERATIONS_M_PER_S2: RangeInclusive<f64> = 1e-6..=1e3;
 
-/// Arguments of `jog`.
+/// Arguments of `board jog`.
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
@@ -42,7 +43,7 @@ pub struct Arguments {
     /// Acceleration.
     #[arg(long, value_name = "M_PER_S2", allow_negative_numbers = true, default_value_t = 0.5)]
     acceleration_m_per_s2: f64,
-    /// Do not wait for the end: the board holds the path when it does not hear of a host, and `resume` continues it.
+    /// Do not wait for the end: the board holds the path when it does not hear of a host, and `board resume` continues it.
     #[arg(long)]
     no_wait: bool,
 }

@@ -1,103 +1,75 @@
-//! Commands for a servo board.
+//! `lost-motion board`: the commands for a servo board, one file each. `record` is a command of its own.
 
 pub mod bench;
 pub mod capture;
 pub mod direction;
 pub mod jog;
 pub mod monitor;
+pub mod port;
 pub mod ports;
 pub mod record;
 pub mod simple;
 pub mod status;
 pub mod upload;
 
-use std::time::Duration;
-
 use anyhow::Result;
+use clap::Subcommand;
 
-use ::board::{BoardError, Client};
-use files::error::InputError;
-
-/// Maximum of `--timeout-s`.
-const MAX_TIMEOUT_S: f64 = 3600.0;
-
-/// The port of a board.
-#[derive(clap::Args)]
-pub struct PortArguments {
-    /// `bench` (or `emulated`): the emulated servo board, which is started if it does not run (`cargo servo` builds it); otherwise a serial port
-    /// (`ports` lists them) or a socket.
-    #[arg(long)]
-    port: String,
-    /// Timeout for a reply of the board, s.
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value_t = 2.0)]
-    timeout_s: f64,
+/// What to do with a servo board.
+#[derive(Subcommand)]
+pub enum Verb {
+    /// List the serial ports, and the emulated servo board.
+    Ports,
+    /// Tell what the board is and does, with its last faults.
+    Status(status::Arguments),
+    /// Send the settings of a machine file, and a compensation, to the board.
+    Upload(upload::Arguments),
+    /// Switch the drives on.
+    Enable(simple::Arguments),
+    /// Switch the drives off at once.
+    Disable(simple::Arguments),
+    /// Acknowledge a fault.
+    Clear(simple::Arguments),
+    /// Move one axis. Switches the drives on if they are off.
+    Jog(jog::Arguments),
+    /// Push an axis with a small force, loops open, and tell whether it moves the right way.
+    CheckDirection(direction::Arguments),
+    /// Move an axis to its reference. Switches the drives on if they are off.
+    Home(port::AxisArguments),
+    /// Feed hold: decelerate along the path, which `board resume` continues.
+    Hold(simple::Arguments),
+    /// Continue the path after a hold, and wait for its end.
+    Resume(simple::Arguments),
+    /// Decelerate along the path and discard the rest of it.
+    Stop(simple::Arguments),
+    /// Print a line about the board again and again.
+    Monitor(monitor::Arguments),
+    /// Record every tick in the memory of the board and write the log.
+    Capture(capture::Arguments),
+    /// Operate the switches of the simulated machine of the emulated board.
+    Bench(bench::Arguments),
 }
 
-impl PortArguments {
-    /// Opens a session with the board.
-    ///
-    /// # Errors
-    /// An invalid argument, a port that cannot be opened, a board that does not answer.
-    pub fn connect(&self) -> Result<Client> {
-        connect(&self.port, self.timeout_s)
-    }
-}
-
-/// Opens a session with the board at a port.
+/// Runs a command for a servo board.
 ///
 /// # Errors
-/// See [`PortArguments::connect`].
-pub fn connect(port: &str, timeout_s: f64) -> Result<Client> {
-    if !(timeout_s > 0.0 && timeout_s <= MAX_TIMEOUT_S) {
-        let expected = format!("seconds above 0 and up to {MAX_TIMEOUT_S}");
-        return Err(InputError::expected("--timeout-s", expected, timeout_s).into());
+/// See the commands.
+pub fn run(verb: &Verb) -> Result<()> {
+    match verb {
+        Verb::Ports => ports::run(),
+        Verb::Status(arguments) => status::run(arguments),
+        Verb::Upload(arguments) => upload::run(arguments),
+        Verb::Enable(arguments) => simple::enable(arguments),
+        Verb::Disable(arguments) => simple::disable(arguments),
+        Verb::Clear(arguments) => simple::clear(arguments),
+        Verb::Jog(arguments) => jog::run(arguments),
+        Verb::CheckDirection(arguments) => direction::run(arguments),
+        Verb::Home(arguments) => simple::home(arguments),
+        Verb::Hold(arguments) => simple::hold(arguments),
+        Verb::Resume(arguments) => simple::resume(arguments),
+        Verb::Stop(arguments) => simple::stop(arguments),
+        Verb::Monitor(arguments) => monitor::run(arguments),
+        Verb::Capture(arguments) => capture::run(arguments),
+        Verb::Bench(arguments) => bench::run(arguments),
     }
-    let is_bench = board::open::is_bench(port);
-    let port = board::open(port).map_err(|error| match error {
-        BoardError::Port(problem) => InputError::new("--port", problem).into(),
-        error => anyhow::Error::from(error),
-    })?;
-    let client = Client::connect(port, Duration::from_secs_f64(timeout_s))?;
-    if is_bench && client.welcome().sources != shared::protocol::SOURCES {
-        let problem = "the emulated board runs a program of other sources: end it (`bench end`) and build it again \
-                       (`cargo servo`)";
-        return Err(InputError::new("--port", problem).into());
-    }
-    Ok(client)
-}
-
-/// The port of a board, and one of its axes.
-#[derive(clap::Args)]
-pub struct AxisArguments {
-    #[command(flatten)]
-    port: PortArguments,
-    /// Axis.
-    #[arg(long)]
-    axis: String,
-}
-
-impl AxisArguments {
-    /// The number of the axis.
-    ///
-    /// # Errors
-    /// If the board has no such axis.
-    pub fn number(&self) -> Result<u8, InputError> {
-        let names = board::refusal::AXIS_NAMES;
-        names
-            .iter()
-            .position(|known| *known == self.axis)
-            .and_then(|number| u8::try_from(number).ok())
-            .ok_or_else(|| {
-                InputError::expected("--axis", names.join(" or "), files::error::quoted(&self.axis))
-            })
-    }
-}
-
-/// Refuses the value of an option that is not valid, before the board is asked for anything.
-///
-/// # Errors
-/// A value that is not valid.
-pub fn check_value(option: &str, expected: &str, is_valid: bool, value: f64) -> Result<(), InputError> {
-    // Not `Display`, which writes 1e300 with all its digits.
-    if is_valid { Ok(()) } else { Err(InputError::expected(option, expected, format!("{value:?}"))) }
 }

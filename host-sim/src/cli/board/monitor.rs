@@ -1,11 +1,11 @@
-//! `lost-motion monitor`: a line about the board again and again.
+//! `lost-motion board monitor`: a line about the board again and again.
 
 use std::thread;
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
 
-use super::PortArguments;
+use super::port::PortArguments;
 use super::status::{path, power};
 use crate::cli::outputs::print_to_reader;
 use crate::cli::stop;
@@ -16,7 +16,7 @@ use shared::link::Status;
 /// Longest interval, s: a host that is silent for longer stops the drives.
 const MAX_INTERVAL_S: f64 = 60.0;
 
-/// Arguments of `monitor`.
+/// Arguments of `board monitor`.
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! `lost-motion ports`.
+//! `lost-motion board ports`.
 
 use anyhow::Result;
 

@@ -1,8 +1,8 @@
-//! `enable`, `disable`, `clear`, `hold`, `resume`, `stop` and `home`.
+//! `lost-motion board` with `enable`, `disable`, `clear`, `hold`, `resume`, `stop` and `home`.
 
 use anyhow::{Result, bail};
 
-use super::{AxisArguments, PortArguments};
+use super::port::{AxisArguments, PortArguments};
 use crate::cli::outputs::print;
 use crate::cli::stop;
 use ::board::{BoardError, Client, refusal};

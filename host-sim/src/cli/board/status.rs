@@ -1,8 +1,8 @@
-//! `lost-motion status`: what a board is and does.
+//! `lost-motion board status`: what a board is and does.
 
 use anyhow::Result;
 
-use super::PortArguments;
+use super::port::PortArguments;
 use crate::cli::outputs::print;
 use ::board::refusal::{self, AXIS_NAMES};
 use shared::interpolate::feed_hold::FeedState;
@@ -11,7 +11,7 @@ use shared::link::report::{Activity, DirectionReport, UsbState};
 use shared::link::{Status, Welcome};
 use shared::safety::Power;
 
-/// Arguments of `status`.
+/// Arguments of `board status`.
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]

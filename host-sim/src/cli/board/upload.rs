@@ -1,10 +1,10 @@
-//! `lost-motion upload`: settings of a machine file and a compensation.
+//! `lost-motion board upload`: settings of a machine file and a compensation.
 
 use std::path::PathBuf;
 
 use anyhow::Result;
 
-use super::PortArguments;
+use super::port::PortArguments;
 use crate::cli::compensation::check_margins;
 use crate::cli::outputs::print;
 use ::board::refusal::AXIS_NAMES;
@@ -18,7 +18,7 @@ use shared::config::AxisSettings;
 use shared::link::message::{AXES, BoardSettings, Request, UploadKind};
 use shared::link::refusal::Refusal;
 
-/// Arguments of `upload`.
+/// Arguments of `board upload`.
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]

@@ -5,11 +5,12 @@ use std::path::Path;
 use super::error::CompareError;
 use super::motion::Motion;
 use super::pipeline::run;
-use link::controller::{ControllerError, Format};
-use link::emulator::{DEFAULT_TIMEOUT, Emulator};
-use link::remote::Remote;
+use lockstep::emulator::{DEFAULT_TIMEOUT, Emulator};
+use lockstep::remote::Remote;
 use model::machine::Machine;
+use plant::controller::ControllerError;
 use plant::simulate;
+use shared::scalar::Format;
 
 /// The part of a motion that runs on the core, s of machine time: the first dwell and the beginning of the first
 /// block.

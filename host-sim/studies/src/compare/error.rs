@@ -5,7 +5,7 @@ use shared::machine::MachineError;
 use shared::safety::Fault;
 
 use files::error::InputError;
-use link::controller::ControllerError;
+use plant::controller::ControllerError;
 use plant::simulate::SimulationError;
 
 /// Errors of a comparison.

@@ -3,7 +3,7 @@
 use shared::units::Position;
 
 use super::point::{AXES, Point, difference_nm, length};
-use link::controller::{PathBlock, PathShape};
+use motion::{PathBlock, PathShape};
 
 /// The exact geometry of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -26,12 +26,12 @@ pub use comparison::{Comparison, Row};
 pub use error::CompareError;
 
 use cost::Cost;
-use link::controller::Format;
 use long_run::LongRunPath;
 use model::machine::Machine;
 use motion::Motion;
 use pipeline::{Pipeline, Tick};
 use point::{difference_nm, length};
+use shared::scalar::Format;
 
 /// The machine that runs the motions.
 pub const MACHINE: &str = include_str!("machine.toml");

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use shared::units::Position;
 
 use super::point::{AXES, Point};
-use link::controller::{PathBlock, PathShape};
+use motion::{PathBlock, PathShape};
 
 /// Radius of all circles, m.
 pub const RADIUS_M: f64 = 0.1;

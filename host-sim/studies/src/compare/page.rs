@@ -10,9 +10,9 @@ use crate::compare::pipeline::Pipeline;
 use crate::compare::{Comparison, Row};
 use files::format::significant;
 use files::output::OutputError;
-use link::controller::Format;
 use pages::markup::{figure, legend, line_entry, note, number_cell, paragraph, section, text};
 use pages::plot::{Chart, Ink, Layer};
+use shared::scalar::Format;
 
 const TABLE_NOTE: &str = "Command: distance from the point of the exact path nearest to the command in double \
                           precision in the same tick. Position: distance of the table from the table in the run in \

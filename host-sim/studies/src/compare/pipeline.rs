@@ -8,11 +8,12 @@ use super::error::CompareError;
 use super::motion::Motion;
 use super::point::{AXES, Point};
 use super::single_precision::SinglePrecision;
-use link::controller::{AxisOutput, Controller, Format, Status, in_process};
 use model::machine::Machine;
+use plant::controller::{AxisOutput, Controller, Status, in_process};
 use plant::instruments::Instruments;
 use plant::machine_sim::MachineSim;
 use plant::simulate::{self, SimulationError};
+use shared::scalar::Format;
 
 /// Time constant of the drives' current loops, s. The sensors are exact to the unit of a position, so that two runs
 /// differ only by the arithmetic of the controller.

@@ -6,7 +6,7 @@
 use shared::units::Position;
 
 use super::point::{AXES, Point, difference_nm, length};
-use link::controller::{PathBlock, PathShape};
+use motion::{PathBlock, PathShape};
 
 /// The nearest f32 in metres.
 #[must_use]

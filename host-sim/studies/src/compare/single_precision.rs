@@ -15,7 +15,8 @@ use shared::units::Position;
 
 use super::point::{AXES, Point};
 use super::single_path::{SinglePath, metres, position};
-use link::controller::{AxisOutput, Controller, ControllerError, PathBlock, Status};
+use motion::PathBlock;
+use plant::controller::{AxisOutput, Controller, ControllerError, Status};
 
 /// A controller of two axes whose positions are f32 metres.
 pub struct SinglePrecision {

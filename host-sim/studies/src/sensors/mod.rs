@@ -23,7 +23,7 @@ use margins::MarginLimits;
 use margins::axis_margins::{self, AxisMargins, MarginError};
 use model::axis::{Feedback, Law};
 use model::machine::Machine;
-use model::motion::Motion;
+use motion::Motion;
 use plant::instruments::Instruments;
 use row::{CrossoverPoint, GainPoint, Row};
 

@@ -7,12 +7,12 @@ use crate::input::signals::Signals;
 use crate::input::smoothing::Smooth;
 use crate::options::AdmissionOptions;
 use files::log::{AxisLog, Log};
-use link::controller::Format;
 use model::machine::Machine;
-use model::motion::Motion;
+use motion::Motion;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run};
+use shared::scalar::Format;
 
 /// A motion that distinguishes two effects.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use super::HostedDrive;
 use crate::homing::HomingStatus;
-use crate::link::message::AXES;
+use crate::link::packet::AXES;
 use crate::link::receiver::LinkCounts;
 use crate::link::report::{AxisStatus, DirectionReport, HomingReport, SettingsReport, Status, UsbState};
 use crate::machine::Reference;

@@ -10,20 +10,20 @@ mod state;
 mod upload;
 
 use super::HostedDrive;
-use super::conversation::{Conversation, Verdict};
 use super::message::{AXES, BoardSettings, FromBoard, Reply, Request};
 use super::packet::{self, Frame, Header, Packet, PacketError, VERSION};
 use super::port::{BytePort, SharedDrive};
 use super::receiver::{LinkCounts, Receiver};
 use super::refusal::Refusal;
 use super::report::{Identity, SettingsReport, Status, UsbState, Welcome};
+use super::session::{SessionState, Verdict};
 use super::settings_memory::SettingsMemory;
-use crate::protocol::SOURCES;
+use crate::SOURCES;
 use crate::safety::Fault;
 use crate::scalar::Scalar;
 use embedded_storage::nor_flash::NorFlash;
 use saving::begin_save;
-use state::{Access, Motion, Requests, Upload};
+use state::{Access, Motion, ServerState, Upload};
 
 /// Number of axes, for messages.
 #[expect(clippy::cast_possible_truncation, reason = "2")]
@@ -36,7 +36,7 @@ const BYTES_PER_POLL: usize = 64;
 #[derive(Debug)]
 pub struct Server {
     receiver: Receiver,
-    requests: Requests,
+    state: ServerState,
     /// Bytes that wait to be sent, and how many of them have been.
     out: Frame,
     sent: usize,
@@ -48,9 +48,9 @@ impl Server {
     pub const fn new(identity: Identity, settings: BoardSettings) -> Self {
         Self {
             receiver: Receiver::NEW,
-            requests: Requests {
+            state: ServerState {
                 identity,
-                conversation: Conversation::NEW,
+                session: SessionState::NEW,
                 kept: Frame::new(),
                 settings,
                 report: SettingsReport::PROGRAM,
@@ -74,7 +74,7 @@ impl Server {
         memory: &mut SettingsMemory<F>,
         previous_fault: Option<Fault>,
     ) {
-        self.requests.load(&mut Access { drive, memory });
+        self.state.load(&mut Access { drive, memory });
         if let Some(fault) = previous_fault {
             drive.with(|drive| drive.inhibit_enable(fault));
         }
@@ -88,7 +88,7 @@ impl Server {
         drive: &mut impl SharedDrive<'m, S>,
         memory: &mut SettingsMemory<F>,
     ) {
-        self.requests.usb = port.usb();
+        self.state.usb = port.usb();
         self.flush(port);
         for _ in 0..BYTES_PER_POLL {
             // A reply is sent before the next request is read.
@@ -98,13 +98,13 @@ impl Server {
             let Some(byte) = port.read() else { break };
             let counts = self.receiver.counts();
             if let Some(received) = self.receiver.push(byte) {
-                self.requests.receive(received, counts, &mut Access { drive, memory }, &mut self.out);
+                self.state.receive(received, counts, &mut Access { drive, memory }, &mut self.out);
             }
         }
-        self.requests.feed_motion(drive);
-        self.requests.feed_homing(drive);
+        self.state.feed_motion(drive);
+        self.state.feed_homing(drive);
         if self.out.is_empty() {
-            self.requests.stream(drive, &mut self.out);
+            self.state.stream(drive, &mut self.out);
         }
         self.flush(port);
     }
@@ -120,7 +120,7 @@ impl Server {
     }
 }
 
-impl Requests {
+impl ServerState {
     /// Answers what was received. Bytes that are no packet are only counted: they may be noise.
     fn receive<'m, S: Scalar, D: SharedDrive<'m, S>, F: NorFlash>(
         &mut self,
@@ -142,11 +142,11 @@ impl Requests {
         if let Ok(Request::Hello { nonce }) = request {
             access.memory.discard();
             let reply = self.hello(nonce, access.drive);
-            let session = self.conversation.session();
+            let session = self.session.number();
             send(Header { session, sequence: packet.header.sequence }, reply, out);
             return;
         }
-        match self.conversation.judge(&packet) {
+        match self.session.judge(&packet) {
             Verdict::Execute => {
                 access.drive.with(HostedDrive::heard);
                 let reply = match request {
@@ -154,7 +154,7 @@ impl Requests {
                     Err(_) => Reply::Refused(Refusal::Unreadable),
                 };
                 send(packet.header, reply, out);
-                self.conversation.executed(&packet);
+                self.session.executed(&packet);
                 self.kept.clone_from(out);
             }
             Verdict::Repeat => {
@@ -174,7 +174,7 @@ impl Requests {
             (drive.now(), self.settings.rates, drive.capture().capacity())
         });
         #[expect(clippy::cast_possible_truncation, reason = "the low half differs from run to run")]
-        let session = self.conversation.hello(nonce, now as u32);
+        let session = self.session.hello(nonce, now as u32);
         Reply::Welcome(Welcome {
             session,
             board: text(self.identity.board),

@@ -5,7 +5,7 @@ use super::super::message::{AXES, Jog};
 use super::super::port::SharedDrive;
 use super::super::refusal::Refusal;
 use super::super::report::Activity;
-use super::state::{Motion, Requests};
+use super::state::{Motion, ServerState};
 use crate::interpolate::block::Shape;
 use crate::interpolate::{Block, PathError};
 use crate::scalar::Scalar;
@@ -46,7 +46,7 @@ impl Motion {
     }
 }
 
-impl Requests {
+impl ServerState {
     /// Discards the blocks. The next motion starts from the present command.
     pub(super) fn new_motion<'m, S: Scalar>(
         &mut self,

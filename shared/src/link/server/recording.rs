@@ -7,7 +7,7 @@ use super::super::port::SharedDrive;
 use super::super::refusal::Refusal;
 use super::super::report::CaptureReport;
 use super::super::stream::StreamPacket;
-use super::state::Requests;
+use super::state::ServerState;
 use crate::capture::prediction::MAX_PERIOD;
 use crate::capture::{CaptureMemory, CaptureState, Trigger};
 use crate::scalar::Scalar;
@@ -60,7 +60,7 @@ fn period<S: Scalar>(drive: &HostedDrive<'_, S, AXES>, decimation: u32) -> u32 {
     if is_whole { period.max(1) } else { 1 }
 }
 
-impl Requests {
+impl ServerState {
     /// Sends samples that wait, when there are enough of them or they have waited long enough.
     pub(super) fn stream<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S>, out: &mut Frame) {
         let interval = u64::from(self.identity.tick_hz / PACKETS_PER_SECOND);
@@ -77,7 +77,7 @@ impl Requests {
         let packet = StreamPacket::fill(period, |number| drive.with(|drive| drive.stream().pop(number)));
         let Some(packet) = packet else { return };
         let packet = StreamPacket { start, lost: drive.with(|drive| drive.stream().lost()), ..packet };
-        let header = Header { session: self.conversation.session(), sequence: self.stream_packets };
+        let header = Header { session: self.session.number(), sequence: self.stream_packets };
         if packet::encode(header, &FromBoard::Stream(packet), out).is_err() {
             out.clear();
         }

@@ -5,7 +5,7 @@ use embedded_storage::nor_flash::NorFlash;
 use super::super::port::SharedDrive;
 use super::super::refusal::Refusal;
 use super::super::report::{SettingsReport, SettingsSource, StoredRecord};
-use super::state::{Access, Requests};
+use super::state::{Access, ServerState};
 use crate::safety::Fault;
 use crate::scalar::Scalar;
 use crate::storage::{Reader, SlotError, StorageError};
@@ -18,7 +18,7 @@ pub(super) fn begin_save<'m, S: Scalar, D: SharedDrive<'m, S>, F: NorFlash>(
     drive.with(|drive| drive.without_ticks(|| memory.begin()))
 }
 
-impl Requests {
+impl ServerState {
     /// Makes the record that is being written the newest one.
     pub(super) fn save<'m, S: Scalar, D: SharedDrive<'m, S>, F: NorFlash>(
         &mut self,

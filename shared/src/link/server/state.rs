@@ -1,22 +1,18 @@
 //! What a server keeps between requests.
 
-use super::super::conversation::Conversation;
-use super::super::message::{AXES, BoardSettings, Jog, MOTION_BLOCKS};
+use super::super::message::{AXES, BoardSettings, Jog, LONGEST_UPLOAD, MOTION_BLOCKS};
 use super::super::packet::Frame;
 use super::super::report::{Identity, SettingsReport, UsbState};
+use super::super::session::SessionState;
 use super::super::settings_memory::SettingsMemory;
 use crate::interpolate::{Block, Path};
-use crate::protocol::LONGEST_ORDER;
 use crate::units::Position;
 
-/// Greatest number of bytes of an upload: a compensation with every table at its capacity.
-pub(super) const CAPACITY: usize = LONGEST_ORDER;
-
-/// The state of the requests.
+/// What a server keeps between requests.
 #[derive(Debug)]
-pub(super) struct Requests {
+pub(super) struct ServerState {
     pub(super) identity: Identity,
-    pub(super) conversation: Conversation,
+    pub(super) session: SessionState,
     /// The reply to the last request that was executed.
     pub(super) kept: Frame,
     pub(super) settings: BoardSettings,
@@ -57,7 +53,7 @@ impl Motion {
 /// An upload that is not complete or not applied yet.
 #[derive(Debug)]
 pub(super) struct Upload {
-    pub(super) bytes: heapless::Vec<u8, CAPACITY>,
+    pub(super) bytes: heapless::Vec<u8, LONGEST_UPLOAD>,
 }
 
 impl Upload {

@@ -1,11 +1,11 @@
 //! Uploads: collected in parts, checked as a whole, then applied or refused.
 
-use super::super::message::{AXES, BoardSettings, UploadKind};
+use super::super::message::{AXES, BoardSettings, LONGEST_UPLOAD, UploadKind};
 use super::super::packet;
 use super::super::port::SharedDrive;
 use super::super::refusal::{Refusal, UploadError};
 use super::super::report::SettingsSource;
-use super::state::{Access, CAPACITY, Requests, Upload};
+use super::state::{Access, ServerState, Upload};
 use crate::compensate::{AxisCompensation, AxisOf, CompensationSettings, Dependence};
 use crate::config::Rates;
 use crate::machine::{MachineConfig, MachineError};
@@ -14,7 +14,7 @@ use embedded_storage::nor_flash::NorFlash;
 
 /// Greatest number of bytes of an upload, for messages.
 #[expect(clippy::cast_possible_truncation, reason = "7680")]
-const MAX_BYTES: u16 = CAPACITY as u16;
+const MAX_BYTES: u16 = LONGEST_UPLOAD as u16;
 
 impl Upload {
     /// Appends a part.
@@ -22,7 +22,7 @@ impl Upload {
         if offset != 0 && usize::from(offset) != self.bytes.len() {
             return Err(Refusal::Upload(UploadError::OutOfOrder { expected: self.length() }));
         }
-        if usize::from(offset) + part.len() > CAPACITY {
+        if usize::from(offset) + part.len() > LONGEST_UPLOAD {
             return Err(Refusal::Upload(UploadError::TooLong { max: MAX_BYTES }));
         }
         if offset == 0 {
@@ -50,7 +50,7 @@ impl Upload {
     }
 }
 
-impl Requests {
+impl ServerState {
     /// Checks the upload and applies it. If a record is being written, the upload is written to it first, so that nothing has changed
     /// if the flash fails; an upload that is refused discards the record.
     pub(super) fn apply<'m, S: Scalar, D: SharedDrive<'m, S>, F: NorFlash>(

@@ -42,7 +42,7 @@ impl Bench {
     /// With the enable switch closed.
     pub fn armed() -> Option<Self> {
         let bench = Self::new()?;
-        bench.succeeds("bench close-switch");
+        bench.succeeds("board bench close-switch");
         Some(bench)
     }
 
@@ -103,6 +103,6 @@ impl Bench {
 
 impl Drop for Bench {
     fn drop(&mut self) {
-        let _ = self.run("bench end");
+        let _ = self.run("board bench end");
     }
 }

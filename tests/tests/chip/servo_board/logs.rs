@@ -14,9 +14,9 @@ const BACKLASH_UM: f64 = 1e6 * firmware::bench::BACKLASH_M[0];
 #[test]
 fn every_tick_of_a_jog_is_captured() {
     let Some(bench) = Bench::armed() else { return };
-    bench.succeeds("capture --port bench --only arm --trigger motion --seconds 0.5");
-    bench.succeeds("jog --port bench --axis x --by-mm 8 --speed-mm-per-min 1200");
-    let text = bench.succeeds("capture --port bench --only read --out jog.csv");
+    bench.succeeds("board capture --port bench --only arm --trigger motion --seconds 0.5");
+    bench.succeeds("board jog --port bench --axis x --by-mm 8 --speed-mm-per-min 1200");
+    let text = bench.succeeds("board capture --port bench --only read --out jog.csv");
     assert!(text.starts_with("10000 samples at 20000 Hz in jog.csv"), "{text}");
     let log = fs::read_to_string(bench.path().join("jog.csv")).unwrap();
     let mut lines = log.lines();
@@ -44,7 +44,7 @@ fn the_tracer_finds_the_undeclared_backlash_of_the_board() {
         ["machines/bench.toml", "motions/bench_travel.toml", "motions/bench_circle.toml"]
             .map(|name| Bench::file(&format!("host-sim/{name}")).display().to_string());
     for axis in ["x", "y"] {
-        let text = bench.succeeds(&format!("home --port bench --axis {axis}"));
+        let text = bench.succeeds(&format!("board home --port bench --axis {axis}"));
         assert!(text.contains("is homed"), "{text}");
     }
     bench.succeeds(&format!("record --port bench --motion {travel} --out travel.csv"));
@@ -70,9 +70,9 @@ fn a_recording_of_a_silent_host_fails_and_leaves_nothing_held() {
     let Some(bench) = Bench::armed() else { return };
     let motion = Bench::file("host-sim/motions/bench_travel.toml").display().to_string();
     for axis in ["x", "y"] {
-        bench.succeeds(&format!("home --port bench --axis {axis}"));
+        bench.succeeds(&format!("board home --port bench --axis {axis}"));
         // To the start of the motion.
-        bench.succeeds(&format!("jog --port bench --axis {axis} --by-mm 91.7 --speed-mm-per-min 6000"));
+        bench.succeeds(&format!("board jog --port bench --axis {axis} --by-mm 91.7 --speed-mm-per-min 6000"));
     }
     let record = bench.start(&format!("record --port bench --motion {motion} --out travel.csv"));
     // Of 7 s of motion.
@@ -93,6 +93,6 @@ fn a_recording_of_a_silent_host_fails_and_leaves_nothing_held() {
         "{message}"
     );
     assert!(!bench.path().join("travel.csv").exists());
-    let status = bench.succeeds("status --port bench");
+    let status = bench.succeeds("board status --port bench");
     assert!(status.contains("path: at rest") && status.contains("drives: on"), "{status}");
 }

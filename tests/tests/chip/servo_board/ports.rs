@@ -11,16 +11,16 @@ use super::bench::Bench;
 
 /// Motions of 6 s and more, with what prepares them.
 const MOTIONS: [(&[&str], &str); 4] = [
-    (&[], "jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600"),
-    (&[], "jog --port bench --axis x --for-s 20 --speed-mm-per-min 300"),
-    (&[], "home --port bench --axis y"),
+    (&[], "board jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600"),
+    (&[], "board jog --port bench --axis x --for-s 20 --speed-mm-per-min 300"),
+    (&[], "board home --port bench --axis y"),
     (
         &[
-            "enable --port bench",
-            "jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600 --no-wait",
-            "hold --port bench",
+            "board enable --port bench",
+            "board jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600 --no-wait",
+            "board hold --port bench",
         ],
-        "resume --port bench",
+        "board resume --port bench",
     ),
 ];
 
@@ -54,12 +54,12 @@ fn an_interrupt_of_a_motion_leaves_standing_axes() {
             message.contains("the axes stand, and the rest of the path is discarded"),
             "{motion}: {message}"
         );
-        let status = bench.succeeds("status --port bench");
+        let status = bench.succeeds("board status --port bench");
         assert!(status.contains("path: at rest") && status.contains("drives: on"), "{motion}: {status}");
         let [x_mm, y_mm] = ["x ", "y "].map(|axis| at_mm(&status, axis));
         assert!(x_mm.abs() < 55.0 && y_mm.abs() < 105.0, "{motion}: {status}");
         sleep(Duration::from_millis(500));
-        let later = bench.succeeds("status --port bench");
+        let later = bench.succeeds("board status --port bench");
         assert!((at_mm(&later, "x ") - x_mm).abs() < 1e-9, "{motion}: {status} {later}");
     }
 }
@@ -70,8 +70,8 @@ fn an_interrupt_of_a_recording_leaves_standing_axes_and_no_log() {
     let Some(bench) = Bench::armed() else { return };
     let motion = Bench::file("host-sim/motions/bench_travel.toml").display().to_string();
     for axis in ["x", "y"] {
-        bench.succeeds(&format!("home --port bench --axis {axis}"));
-        bench.succeeds(&format!("jog --port bench --axis {axis} --by-mm 91.7 --speed-mm-per-min 6000"));
+        bench.succeeds(&format!("board home --port bench --axis {axis}"));
+        bench.succeeds(&format!("board jog --port bench --axis {axis} --by-mm 91.7 --speed-mm-per-min 6000"));
     }
     let recording = bench.start(&format!("record --port bench --motion {motion} --out travel.csv"));
     // Of 7 s of motion.
@@ -83,10 +83,10 @@ fn an_interrupt_of_a_recording_leaves_standing_axes_and_no_log() {
     assert!(message.contains("the axes stand, and the rest of the path is discarded"), "{message}");
     let left: Vec<_> = fs::read_dir(bench.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert!(left.iter().all(|name| !name.to_string_lossy().contains("travel")), "{left:?}");
-    let status = bench.succeeds("status --port bench");
+    let status = bench.succeeds("board status --port bench");
     assert!(status.contains("path: at rest") && status.contains("drives: on"), "{status}");
     sleep(Duration::from_millis(500));
-    let later = bench.succeeds("status --port bench");
+    let later = bench.succeeds("board status --port bench");
     for axis in ["x ", "y "] {
         assert!((at_mm(&later, axis) - at_mm(&status, axis)).abs() < 1e-9, "{status} {later}");
     }
@@ -96,17 +96,17 @@ fn an_interrupt_of_a_recording_leaves_standing_axes_and_no_log() {
 #[test]
 fn an_interrupt_of_a_direction_check_ends_it() {
     let Some(bench) = Bench::new() else { return };
-    bench.succeeds("status --port bench");
-    let checking = bench.start("check-direction --port bench --axis x --force-n 40");
+    bench.succeeds("board status --port bench");
+    let checking = bench.start("board check-direction --port bench --axis x --force-n 40");
     sleep(Duration::from_secs(1));
     interrupt(&checking);
     let output = checking.wait_with_output().unwrap();
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(130), "{message}");
     assert!(message.contains("the force is off"), "{message}");
-    bench.succeeds("bench close-switch");
+    bench.succeeds("board bench close-switch");
     sleep(Duration::from_millis(500));
-    let status = bench.succeeds("status --port bench");
+    let status = bench.succeeds("board status --port bench");
     let line = status.lines().find(|line| line.starts_with("x ")).unwrap();
     // Motor and scale: the axis stands where it was.
     for mm in line.split_whitespace().skip(2).take(2) {
@@ -118,19 +118,21 @@ fn an_interrupt_of_a_direction_check_ends_it() {
 #[test]
 fn a_second_program_is_told_who_holds_the_port() {
     let Some(bench) = Bench::armed() else { return };
-    let moving = bench.start("jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600");
+    let moving = bench.start("board jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600");
     sleep(Duration::from_secs(1));
     for command in ["stop", "disable", "status", "hold"] {
         let started = Instant::now();
-        let refused = bench.fails(1, &format!("{command} --port bench"));
+        let refused = bench.fails(1, &format!("board {command} --port bench"));
         assert!(started.elapsed() < Duration::from_secs(2), "{command}: {:?}", started.elapsed());
-        let holder =
-            format!("jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600 (process {})", moving.id());
+        let holder = format!(
+            "board jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600 (process {})",
+            moving.id()
+        );
         assert!(refused.contains("in use by lost-motion") && refused.contains(&holder), "{refused}");
     }
     interrupt(&moving);
     assert_eq!(moving.wait_with_output().unwrap().status.code(), Some(130));
-    bench.succeeds("stop --port bench");
+    bench.succeeds("board stop --port bench");
 }
 
 /// A serial port that another program has open, here a pseudo-terminal that this test holds: refused by its name. A process that another
@@ -143,7 +145,7 @@ fn a_serial_port_of_another_program_is_refused_by_its_name() {
     let own = format!("(process {})", std::process::id());
     let mut refused = String::new();
     for _ in 0..100 {
-        refused = bench.fails(1, &format!("stop --port {name}"));
+        refused = bench.fails(1, &format!("board stop --port {name}"));
         assert!(refused.contains("in use by") && refused.contains("(process "), "{refused}");
         if refused.contains(&own) {
             return;
@@ -162,7 +164,7 @@ fn a_missing_program_of_the_board_is_not_built() {
     for command in ["status", "stop", "enable", "monitor", "clear"] {
         let started = Instant::now();
         let output = Command::new(&alone)
-            .args([command, "--port", "bench"])
+            .args(["board", command, "--port", "bench"])
             .env("LOST_MOTION_BENCH", bench.path().join("none"))
             .env("CARGO_TARGET_DIR", bench.path().join("target"))
             .stdin(Stdio::null())

@@ -31,10 +31,10 @@ fn a_frozen_scale_in_the_loop_switches_the_drives_off_within_half_a_millimetre()
     for feedback in ["feedback = \"table\"", "feedback = \"dual\"\ndual_feedback_time_constant_s = 0.05"] {
         let Some(bench) = Bench::armed() else { return };
         fs::write(bench.path().join("machine.toml"), with_scale_in_the_loop(feedback)).unwrap();
-        bench.succeeds("upload --port bench --machine machine.toml");
-        let moving = bench.start("jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600");
+        bench.succeeds("board upload --port bench --machine machine.toml");
+        let moving = bench.start("board jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600");
         sleep(Duration::from_secs(2));
-        bench.succeeds("bench freeze-scale");
+        bench.succeeds("board bench freeze-scale");
         let output = moving.wait_with_output().unwrap();
         let message = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{feedback}: {message}");
@@ -42,7 +42,7 @@ fn a_frozen_scale_in_the_loop_switches_the_drives_off_within_half_a_millimetre()
             message.contains("x: the motor moves and the scale reading does not"),
             "{feedback}: {message}"
         );
-        let status = bench.succeeds("status --port bench");
+        let status = bench.succeeds("board status --port bench");
         assert!(status.contains("drives: off by a fault"), "{status}");
         let [motor_mm, scale_mm] = readings_mm(&status);
         assert!((0.28..0.56).contains(&(motor_mm - scale_mm)), "{feedback}: {status}");
@@ -53,12 +53,12 @@ fn a_frozen_scale_in_the_loop_switches_the_drives_off_within_half_a_millimetre()
 #[test]
 fn a_direction_check_by_hand_waits_for_the_switch() {
     let Some(bench) = Bench::new() else { return };
-    let waits = bench.succeeds("check-direction --port bench --axis x --force-n 40 --no-wait");
+    let waits = bench.succeeds("board check-direction --port bench --axis x --force-n 40 --no-wait");
     assert!(waits.contains("within 10 s"), "{waits}");
     sleep(Duration::from_secs(5));
-    bench.succeeds("bench close-switch");
+    bench.succeeds("board bench close-switch");
     sleep(Duration::from_secs(1));
-    let status = bench.succeeds("status --port bench");
+    let status = bench.succeeds("board status --port bench");
     assert!(
         status.contains("direction check of x: force, motor encoder and scale have the same"),
         "{status}"
@@ -72,10 +72,10 @@ fn a_direction_check_by_hand_waits_for_the_switch() {
 #[test]
 fn a_direction_check_ends_with_the_next_session() {
     let Some(bench) = Bench::new() else { return };
-    bench.succeeds("check-direction --port bench --axis x --force-n 40 --no-wait");
-    bench.succeeds("status --port bench");
-    bench.succeeds("bench close-switch");
-    let status = bench.succeeds("status --port bench");
+    bench.succeeds("board check-direction --port bench --axis x --force-n 40 --no-wait");
+    bench.succeeds("board status --port bench");
+    bench.succeeds("board bench close-switch");
+    let status = bench.succeeds("board status --port bench");
     assert!(status.contains("direction check of x: ended before the enable switch was closed"), "{status}");
     assert!(readings_mm(&status).iter().all(|mm| mm.abs() < 1e-3), "{status}");
 }
@@ -84,11 +84,11 @@ fn a_direction_check_ends_with_the_next_session() {
 #[test]
 fn a_frozen_encoder_ends_a_direction_check_by_the_scale() {
     let Some(bench) = Bench::new() else { return };
-    bench.succeeds("bench freeze-encoder");
-    bench.succeeds("check-direction --port bench --axis x --force-n 40 --no-wait");
-    bench.succeeds("bench close-switch");
+    bench.succeeds("board bench freeze-encoder");
+    bench.succeeds("board check-direction --port bench --axis x --force-n 40 --no-wait");
+    bench.succeeds("board bench close-switch");
     sleep(Duration::from_secs(1));
-    let status = bench.succeeds("status --port bench");
+    let status = bench.succeeds("board status --port bench");
     assert!(status.contains("the scale has moved, the motor encoder stands"), "{status}");
     let [motor_mm, scale_mm] = readings_mm(&status);
     assert!(motor_mm.abs() < 1e-3 && (0.15..0.3).contains(&scale_mm), "{status}");

@@ -13,19 +13,19 @@ fn write_machine(bench: &Bench) {
 }
 
 fn settings_line(bench: &Bench) -> String {
-    let status = bench.succeeds("status --port bench");
+    let status = bench.succeeds("board status --port bench");
     status.lines().find(|line| line.starts_with("settings:")).unwrap().to_owned()
 }
 
 /// A jog over the end of the narrow travel, after homing: refused with the saved settings, and by name.
 fn is_narrow(bench: &Bench) -> bool {
-    bench.succeeds("bench open-switch");
-    bench.succeeds("bench close-switch");
-    bench.succeeds("home --port bench --axis x");
-    let output = bench.run("jog --port bench --axis x --by-mm 155 --speed-mm-per-min 6000");
+    bench.succeeds("board bench open-switch");
+    bench.succeeds("board bench close-switch");
+    bench.succeeds("board home --port bench --axis x");
+    let output = bench.run("board jog --port bench --axis x --by-mm 155 --speed-mm-per-min 6000");
     let refused = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success() || refused.contains("leads out of the travel"), "{refused}");
-    bench.succeeds("disable --port bench");
+    bench.succeeds("board disable --port bench");
     !output.status.success()
 }
 
@@ -34,21 +34,21 @@ fn saved_settings_outlive_the_board_and_uploaded_ones_do_not() {
     let Some(bench) = Bench::new() else { return };
     write_machine(&bench);
     assert_eq!(settings_line(&bench), "settings: of its program; nothing is saved in flash");
-    bench.succeeds("upload --port bench --machine narrow.toml");
+    bench.succeeds("board upload --port bench --machine narrow.toml");
     assert_eq!(settings_line(&bench), "settings: uploaded, not saved; nothing is saved in flash");
-    bench.succeeds("bench end");
+    bench.succeeds("board bench end");
     assert_eq!(settings_line(&bench), "settings: of its program; nothing is saved in flash");
     assert!(!is_narrow(&bench));
-    bench.succeeds("upload --port bench --machine narrow.toml --save");
+    bench.succeeds("board upload --port bench --machine narrow.toml --save");
     assert_eq!(settings_line(&bench), "settings: saved; save 1 is in flash");
-    bench.succeeds("bench end");
+    bench.succeeds("board bench end");
     assert_eq!(settings_line(&bench), "settings: saved; save 1 is in flash");
     assert!(is_narrow(&bench));
     // Off after a start: a saved state does not move anything.
-    bench.succeeds("bench end");
-    let refused = bench.fails(1, "enable --port bench");
+    bench.succeeds("board bench end");
+    let refused = bench.fails(1, "board enable --port bench");
     assert!(refused.contains("the enable switch is open"), "{refused}");
-    bench.succeeds("bench erase-flash");
+    bench.succeeds("board bench erase-flash");
     assert_eq!(settings_line(&bench), "settings: of its program; nothing is saved in flash");
 }
 
@@ -56,11 +56,11 @@ fn saved_settings_outlive_the_board_and_uploaded_ones_do_not() {
 fn a_save_with_the_drives_on_is_refused() {
     let Some(bench) = Bench::armed() else { return };
     write_machine(&bench);
-    bench.succeeds("enable --port bench");
-    let refused = bench.fails(1, "upload --port bench --machine narrow.toml --save");
+    bench.succeeds("board enable --port bench");
+    let refused = bench.fails(1, "board upload --port bench --machine narrow.toml --save");
     assert!(refused.contains("the drives are on"), "{refused}");
-    bench.succeeds("disable --port bench");
-    bench.succeeds("upload --port bench --machine narrow.toml --save");
+    bench.succeeds("board disable --port bench");
+    bench.succeeds("board upload --port bench --machine narrow.toml --save");
 }
 
 /// A flash with damaged records: a fault by name, which has to be acknowledged.
@@ -68,8 +68,8 @@ fn a_save_with_the_drives_on_is_refused() {
 fn a_damaged_flash_is_a_fault_by_name() {
     let Some(bench) = Bench::new() else { return };
     write_machine(&bench);
-    bench.succeeds("upload --port bench --machine narrow.toml --save");
-    bench.succeeds("bench end");
+    bench.succeeds("board upload --port bench --machine narrow.toml --save");
+    bench.succeeds("board bench end");
     let path = bench.path().join("run").join("flash");
     let mut flash = fs::read(&path).unwrap();
     assert_eq!(flash.len(), 2 * 128 * 1024);
@@ -78,9 +78,9 @@ fn a_damaged_flash_is_a_fault_by_name() {
     let line = settings_line(&bench);
     let reasons = "(first slot: the checksum differs; second slot: nothing is stored)";
     assert_eq!(line, format!("settings: of its program; nothing in flash can be used {reasons}"));
-    bench.succeeds("bench close-switch");
-    let refused = bench.fails(1, "enable --port bench");
+    bench.succeeds("board bench close-switch");
+    let refused = bench.fails(1, "board enable --port bench");
     assert!(refused.contains("the settings in flash cannot be used"), "{refused}");
-    bench.succeeds("clear --port bench");
-    bench.succeeds("enable --port bench");
+    bench.succeeds("board clear --port bench");
+    bench.succeeds("board enable --port bench");
 }

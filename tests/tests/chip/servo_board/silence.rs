@@ -69,16 +69,16 @@ fn a_silent_host_holds_the_path_and_then_switches_the_drives_off() {
     // One host at a time.
     drop(client);
     // It does not go on by itself.
-    let refused = bench.fails(1, "resume --port bench");
+    let refused = bench.fails(1, "board resume --port bench");
     assert!(refused.contains("nothing is held"), "{refused}");
-    bench.succeeds("clear --port bench");
-    bench.succeeds("enable --port bench");
+    bench.succeeds("board clear --port bench");
+    bench.succeeds("board enable --port bench");
     assert!((bench_x_mm(&bench) - 1e3 * at_m).abs() < 0.1);
 }
 
 /// The command of x, mm.
 fn bench_x_mm(bench: &Bench) -> f64 {
-    let status = bench.succeeds("status --port bench");
+    let status = bench.succeeds("board status --port bench");
     let line = status.lines().find(|line| line.starts_with("x ")).unwrap();
     line.split_whitespace().nth(1).unwrap().parse().unwrap()
 }

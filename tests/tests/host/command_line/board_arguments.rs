@@ -13,8 +13,8 @@ fn refuse(cases: &[(&str, &str)]) {
     let folder = folder();
     let before = folder.contents();
     for (command, message) in cases {
-        let (verb, options) = command.split_once(' ').unwrap();
-        let found = folder.fails(&format!("{verb} --port nowhere {options}"), 2);
+        let (verb, options) = command.split_once(" --").unwrap();
+        let found = folder.fails(&format!("{verb} --port nowhere --{options}"), 2);
         assert_eq!(found.trim_end(), format!("lost-motion: {message}"), "{command}");
         assert!(folder.contents() == before, "{command}");
     }
@@ -27,22 +27,25 @@ fn numbers_of_a_jog() {
     const ACCELERATION: &str = "--acceleration-m-per-s2: expected a number from 0.000001 to 1000, found";
     let distances = [("NaN", "NaN"), ("inf", "inf"), ("1e300", "1e300"), ("-1e300", "-1e300"), ("0", "0.0")];
     for (given, found) in distances {
-        refuse(&[(&format!("jog --axis x --by-mm {given}"), &format!("{DISTANCE} {found}"))]);
+        refuse(&[(&format!("board jog --axis x --by-mm {given}"), &format!("{DISTANCE} {found}"))]);
     }
     for (given, found) in [("NaN", "NaN"), ("0", "0.0"), ("-1", "-1.0"), ("1e300", "1e300")] {
-        let command = format!("jog --axis x --by-mm 1 --acceleration-m-per-s2 {given}");
+        let command = format!("board jog --axis x --by-mm 1 --acceleration-m-per-s2 {given}");
         refuse(&[(&command, &format!("{ACCELERATION} {found}"))]);
     }
     let speed = "--speed-mm-per-min: expected a number from 0.001 to 1000000";
     for (given, found) in [("NaN", "NaN"), ("-5", "-5.0"), ("0", "0.0"), ("1e300", "1e300")] {
-        let by = format!("jog --axis x --by-mm 1 --speed-mm-per-min {given}");
+        let by = format!("board jog --axis x --by-mm 1 --speed-mm-per-min {given}");
         refuse(&[(&by, &format!("{speed} (the direction is the sign of --by-mm), found {found}"))]);
     }
     for (given, found) in [("NaN", "NaN"), ("-inf", "-inf"), ("0", "0.0"), ("-1e300", "-1e300")] {
-        let at = format!("jog --axis x --for-s 1 --speed-mm-per-min={given}");
+        let at = format!("board jog --axis x --for-s 1 --speed-mm-per-min={given}");
         refuse(&[(&at, &format!("{speed}, positive or negative, found {found}"))]);
     }
-    refuse(&[("jog --axis x --for-s -1", "--for-s: expected seconds above 0 and up to 3600, found -1.0")]);
+    refuse(&[(
+        "board jog --axis x --for-s -1",
+        "--for-s: expected seconds above 0 and up to 3600, found -1.0",
+    )]);
 }
 
 #[test]
@@ -63,17 +66,17 @@ fn numbers_of_a_direction_check() {
         ("--force-n 5 --distance-mm 5.1", format!("{DISTANCE} 5.1")),
         ("--force-n NaN --time-s NaN", format!("{FORCE} NaN")),
     ] {
-        refuse(&[(&format!("check-direction --axis x {option}"), &message)]);
+        refuse(&[(&format!("board check-direction --axis x {option}"), &message)]);
     }
 }
 
 #[test]
 fn numbers_of_other_commands() {
     refuse(&[
-        ("monitor --interval-s -1", "--interval-s: expected seconds from 0 to 60, found -1"),
-        ("status --timeout-s -1", "--timeout-s: expected seconds above 0 and up to 3600, found -1"),
+        ("board monitor --interval-s -1", "--interval-s: expected seconds from 0 to 60, found -1"),
+        ("board status --timeout-s -1", "--timeout-s: expected seconds above 0 and up to 3600, found -1"),
         (
-            "capture --seconds -1 --out out.csv",
+            "board capture --seconds -1 --out out.csv",
             "--seconds: expected seconds above 0 and up to 3600, found -1.0",
         ),
     ]);
@@ -85,8 +88,8 @@ fn machines_with_other_axes() {
     let renamed = "renamed.toml: axis.z: expected axis y here (the board has x, y), found \"z\"";
     let swapped = "swapped.toml: axis.y: expected axis x here (the board has x, y), found \"y\"";
     refuse(&[
-        ("upload --machine renamed.toml", renamed),
-        ("upload --machine swapped.toml", swapped),
+        ("board upload --machine renamed.toml", renamed),
+        ("board upload --machine swapped.toml", swapped),
         ("record --machine renamed.toml --motion motion.toml --out out.csv", renamed),
         ("record --machine swapped.toml --motion motion.toml --out out.csv", swapped),
     ]);
@@ -95,8 +98,11 @@ fn machines_with_other_axes() {
 #[test]
 fn logs_of_a_capture() {
     refuse(&[
-        ("capture --only arm --out out.csv", "--out: cannot be used with --only arm, which writes no log"),
-        ("capture --only read", "--out: expected a log to write, found none"),
+        (
+            "board capture --only arm --out out.csv",
+            "--out: cannot be used with --only arm, which writes no log",
+        ),
+        ("board capture --only read", "--out: expected a log to write, found none"),
     ]);
 }
 
@@ -106,7 +112,7 @@ fn a_folder_in_the_place_of_an_output() {
     let folder = folder();
     for command in [
         "record --port nowhere --motion motion.toml --out .",
-        "capture --port nowhere --out .",
+        "board capture --port nowhere --out .",
         "compensate --model nowhere --out .",
         "compensate --model nowhere --out c.toml --json .",
     ] {
@@ -117,7 +123,7 @@ fn a_folder_in_the_place_of_an_output() {
 
 #[test]
 fn commands_that_switch_the_drives_on_say_it() {
-    for verb in ["jog", "home", "record"] {
+    for verb in ["board jog", "board home", "record"] {
         let help = folder().succeeds(&format!("{verb} --help"));
         let words: Vec<&str> = help.split_whitespace().collect();
         assert!(words.join(" ").contains("the drives on if they are off"), "{help}");

@@ -324,7 +324,7 @@ fn ports() {
 #[test]
 fn the_message_of_a_missing_port_lists_every_port_of_this_computer_once() {
     let folder = WorkFolder::with(&[("machine.toml", MACHINE), ("motion.toml", MOTION)]);
-    let ports = folder.succeeds("ports");
+    let ports = folder.succeeds("board ports");
     // Names begin the lines; the emulated board is the first.
     let names: Vec<&str> = ports.lines().filter_map(|line| line.split_whitespace().next()).collect();
     let expected = match names.split_first() {

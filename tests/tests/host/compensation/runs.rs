@@ -10,7 +10,7 @@ use compensate::{CompensationFile, Plan};
 use contour::LoggedMotion;
 use files::log::{Channel, Log};
 use model::machine::Machine;
-use model::motion::Motion;
+use motion::Motion;
 use plant::instruments::Instruments;
 
 /// The machine without undeclared effects.

@@ -1,13 +1,13 @@
 //! Machines and motions as text, their runs, and measurements on the logs.
 
 use files::log::{Channel, Log};
-use link::controller::Format;
 use model::axis::Settings;
 use model::machine::Machine;
-use model::motion::Motion;
+use motion::Motion;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{Run, controller};
+use shared::scalar::Format;
 
 /// The machine without effects.
 pub const PLAIN: &str = include_str!("../../../../host-sim/machines/vmc.toml");

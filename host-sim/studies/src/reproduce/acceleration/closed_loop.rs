@@ -15,8 +15,8 @@ use shared::units::Position;
 
 use super::machines::{Gains, Instruments};
 use crate::reproduce::study::ReproduceError;
-use link::controller::ControllerError;
 use model::bodies::{Assembly, Structure};
+use plant::controller::ControllerError;
 use plant::machine_sim::position;
 use plant::multibody::{AxisForces, Multibody};
 use plant::simulate::SimulationError;

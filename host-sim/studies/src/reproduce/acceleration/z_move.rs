@@ -9,7 +9,7 @@ use shared::units::Position;
 
 use super::closed_loop::{ClosedLoop, RATES, Row, SAMPLE_S, Z};
 use crate::reproduce::study::ReproduceError;
-use link::controller::ControllerError;
+use plant::controller::ControllerError;
 use plant::simulate::SimulationError;
 
 /// Distance of the movement, m.

@@ -2,12 +2,13 @@
 
 use crate::reproduce::study::ReproduceError;
 use files::log::{AxisLog, Log};
-use link::controller::{Format, PathBlock, PathShape};
 use model::axis::Law;
 use model::effects::Effect;
 use model::machine::Machine;
+use motion::{PathBlock, PathShape};
 use plant::instruments::Instruments;
 use plant::simulate::{self, Run};
+use shared::scalar::Format;
 
 /// The plant. It has effects that the prediction does not have.
 const MACHINE: &str = include_str!("machine.toml");

@@ -2,11 +2,12 @@
 
 use crate::reproduce::study::ReproduceError;
 use files::log::Log;
-use link::controller::{Format, PathBlock, PathShape};
 use model::axis::Feedback;
 use model::machine::Machine;
+use motion::{PathBlock, PathShape};
 use plant::instruments::Instruments;
 use plant::simulate::{Run, SimulationError, controller};
+use shared::scalar::Format;
 
 /// The machine that all systems run on.
 const MACHINE: &str = include_str!("machine.toml");

@@ -7,11 +7,12 @@ use super::table_model::{RADIUS_M, SPEEDS_RAD_PER_S};
 use crate::reproduce::study::ReproduceError;
 use contour::circular_test::Ballbar;
 use files::log::Log;
-use link::controller::{Format, PathBlock, PathShape};
 use model::effects::Effect;
 use model::machine::Machine;
+use motion::{PathBlock, PathShape};
 use plant::instruments::Instruments;
 use plant::simulate::{Run, controller};
+use shared::scalar::Format;
 
 /// The lower speed of the paper.
 pub const SPEED_RAD_PER_S: f64 = SPEEDS_RAD_PER_S[0];

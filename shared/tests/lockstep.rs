@@ -4,13 +4,13 @@ use shared::compensate::settings::{Pitch, PitchSource, Points};
 use shared::compensate::{CompensationKind, CompensationSettings};
 use shared::config::{AxisSettings, Rates};
 use shared::interpolate::Block;
-use shared::machine::{Machine, Reading};
-use shared::protocol::{
-    AXES, Answer, FRAME, Format, LONGEST_ORDER, Order, PART, Part, Setup, TickResult, encode,
+use shared::lockstep::protocol::{
+    AXES, Answer, FRAME, LONGEST_ORDER, Order, PART, Part, Setup, TickResult, encode,
 };
+use shared::lockstep::session::{Meter, NoMeter, Session};
+use shared::machine::{Machine, Reading};
 use shared::safety::{Fault, FaultKind, Power};
-use shared::scalar::{Fixed, Scalar};
-use shared::session::{Meter, NoMeter, Session};
+use shared::scalar::{Fixed, Format, Scalar};
 use shared::units::Position;
 
 const RATES: Rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 5 };

@@ -14,7 +14,7 @@ acceleration_m_per_s2 = 1.0
 start_mm = { y = 0.0, x = 50.0 }
 "#;
 
-const EXAMPLE: &str = crate::examples::VMC_CIRCLE;
+const EXAMPLE: &str = include_str!("../../motions/circle.toml");
 
 fn parse(blocks: &str) -> Result<Motion, InputError> {
     Motion::parse(&format!("{HEAD}{blocks}"), "m.toml")

@@ -14,7 +14,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use shared::protocol::FRAME;
+use shared::lockstep::protocol::FRAME;
 
 use super::remote::{Connection, Frame};
 
@@ -51,7 +51,7 @@ pub struct Emulator {
 #[must_use]
 pub fn default_program() -> PathBuf {
     const THIS_CRATE: &str = env!("CARGO_MANIFEST_DIR");
-    let workspace = Path::new(THIS_CRATE.strip_suffix("host-sim/link").unwrap_or(THIS_CRATE));
+    let workspace = Path::new(THIS_CRATE.strip_suffix("host-sim/lockstep").unwrap_or(THIS_CRATE));
     let built = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace.join("target"), PathBuf::from);
     built.join("thumbv7em-none-eabihf/firmware/emulated")
 }

@@ -3,8 +3,9 @@
 
 use libfuzzer_sys::fuzz_target;
 use shared::config::{AxisSettings, Rates};
-use shared::protocol::{Answer, FRAME, Format, Order, Setup, decode, encode};
-use shared::session::{NoMeter, Session};
+use shared::lockstep::protocol::{Answer, FRAME, Order, Setup, decode, encode};
+use shared::lockstep::session::{NoMeter, Session};
+use shared::scalar::Format;
 use shared::units::Position;
 
 // An input is a number format, then frames: each with its length, and ticks between them.

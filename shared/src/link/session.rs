@@ -19,7 +19,7 @@ pub enum Verdict {
 
 /// The state of the session.
 #[derive(Clone, Copy, Debug)]
-pub struct Conversation {
+pub struct SessionState {
     /// Number of the session; 0: none yet.
     session: u32,
     /// Number of the hello that opened it.
@@ -29,13 +29,13 @@ pub struct Conversation {
     checksum: u32,
 }
 
-impl Conversation {
+impl SessionState {
     /// No session.
     pub const NEW: Self = Self { session: 0, nonce: 0, last: 0, checksum: 0 };
 
     /// Number of the session; 0: none yet.
     #[must_use]
-    pub const fn session(&self) -> u32 {
+    pub const fn number(&self) -> u32 {
         self.session
     }
 
@@ -88,37 +88,37 @@ mod tests {
 
     #[test]
     fn a_request_is_executed_once_and_in_order() {
-        let mut conversation = Conversation::NEW;
-        assert_eq!(conversation.judge(&packet(0, 1, 5)), Verdict::Refuse(Refusal::Session));
-        let session = conversation.hello(77, 1);
-        let expect = |conversation: &Conversation, sequence, checksum, verdict| {
-            assert_eq!(conversation.judge(&packet(session, sequence, checksum)), verdict);
+        let mut state = SessionState::NEW;
+        assert_eq!(state.judge(&packet(0, 1, 5)), Verdict::Refuse(Refusal::Session));
+        let session = state.hello(77, 1);
+        let expect = |state: &SessionState, sequence, checksum, verdict| {
+            assert_eq!(state.judge(&packet(session, sequence, checksum)), verdict);
         };
         let wrong = |expected| Verdict::Refuse(Refusal::Sequence { expected });
-        expect(&conversation, 0, 0, wrong(1));
-        expect(&conversation, 2, 5, wrong(1));
-        expect(&conversation, 1, 5, Verdict::Execute);
-        conversation.executed(&packet(session, 1, 5));
-        expect(&conversation, 1, 5, Verdict::Repeat);
+        expect(&state, 0, 0, wrong(1));
+        expect(&state, 2, 5, wrong(1));
+        expect(&state, 1, 5, Verdict::Execute);
+        state.executed(&packet(session, 1, 5));
+        expect(&state, 1, 5, Verdict::Repeat);
         // The number of the last request with other contents is no repetition.
-        expect(&conversation, 1, 6, wrong(2));
-        expect(&conversation, 3, 7, wrong(2));
-        conversation.executed(&packet(session, 2, 7));
-        expect(&conversation, 1, 5, wrong(3));
-        assert_eq!(conversation.judge(&packet(session ^ 1, 3, 8)), Verdict::Refuse(Refusal::Session));
+        expect(&state, 1, 6, wrong(2));
+        expect(&state, 3, 7, wrong(2));
+        state.executed(&packet(session, 2, 7));
+        expect(&state, 1, 5, wrong(3));
+        assert_eq!(state.judge(&packet(session ^ 1, 3, 8)), Verdict::Refuse(Refusal::Session));
     }
 
     #[test]
     fn a_repeated_hello_opens_no_further_session_until_a_request_was_executed() {
-        let mut conversation = Conversation::NEW;
-        let session = conversation.hello(77, 1);
-        assert_eq!(conversation.hello(77, 9), session);
-        conversation.executed(&packet(session, 1, 5));
-        let other = conversation.hello(77, 9);
+        let mut state = SessionState::NEW;
+        let session = state.hello(77, 1);
+        assert_eq!(state.hello(77, 9), session);
+        state.executed(&packet(session, 1, 5));
+        let other = state.hello(77, 9);
         assert_ne!(other, session);
-        assert_eq!(conversation.judge(&packet(session, 2, 5)), Verdict::Refuse(Refusal::Session));
-        assert_eq!(conversation.judge(&packet(other, 1, 5)), Verdict::Execute);
-        assert_ne!(conversation.hello(78, 9), other);
+        assert_eq!(state.judge(&packet(session, 2, 5)), Verdict::Refuse(Refusal::Session));
+        assert_eq!(state.judge(&packet(other, 1, 5)), Verdict::Execute);
+        assert_ne!(state.hello(78, 9), other);
     }
 
     /// Of two runs, or of two hosts, neither gets the session of the other: the numbers of different hellos and of different starts
@@ -127,9 +127,9 @@ mod tests {
     fn sessions_of_other_runs_and_other_hellos_have_other_numbers() {
         for fixed in [1, 77, 0x5555_5555, u32::MAX] {
             let session = |nonce, entropy| {
-                let mut conversation = Conversation::NEW;
-                let session = conversation.hello(nonce, entropy);
-                assert_eq!(conversation.session(), session);
+                let mut state = SessionState::NEW;
+                let session = state.hello(nonce, entropy);
+                assert_eq!(state.number(), session);
                 session
             };
             let sessions: [[u32; 50]; 3] = [
@@ -156,20 +156,20 @@ mod tests {
     /// a number is the exclusive or of that number and the next session, rotated back.
     #[test]
     fn a_session_is_never_zero_and_never_the_previous_one() {
-        let mut conversation = Conversation::NEW;
+        let mut state = SessionState::NEW;
         let mut last = 0u32;
         for step in 0..20u32 {
             for to in [0, last] {
                 let nonce = (last.wrapping_add(1) ^ to).rotate_right(13);
-                let mut other = conversation;
+                let mut other = state;
                 other.executed(&packet(last, 1, step));
                 let session = other.hello(nonce, 0);
                 assert!(session != 0 && session != last, "{session} after {last}");
             }
-            last = conversation.hello(1000 + step, 0);
+            last = state.hello(1000 + step, 0);
         }
         // The greatest number is followed by 1, not by 0.
-        let mut conversation = Conversation { session: u32::MAX, last: 1, ..Conversation::NEW };
-        assert_eq!(conversation.hello(0, 0), 1);
+        let mut state = SessionState { session: u32::MAX, last: 1, ..SessionState::NEW };
+        assert_eq!(state.hello(0, 0), 1);
     }
 }

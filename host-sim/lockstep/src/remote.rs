@@ -1,19 +1,19 @@
 //! A controller at the other end of a connection that answers each frame with one frame.
 
+use shared::SOURCES;
 use shared::axis::Reading;
 use shared::compensate::{AxisCompensation, AxisOf, CompensationSettings};
 use shared::config::{AxisSettings, Rates};
 use shared::interpolate::PathError;
-use shared::machine::MachineError;
-use shared::protocol::{
-    self, AXES, Answer, FRAME, LONGEST_ORDER, Order, PART, Part, Refusal, SOURCES, Setup, TickResult,
+use shared::lockstep::protocol::{
+    self, AXES, Answer, FRAME, LONGEST_ORDER, Order, PART, Part, Rejection, Setup, TickResult,
 };
-use shared::scalar::{Fixed, Scalar};
+use shared::machine::MachineError;
+use shared::scalar::{Fixed, Format, Scalar};
 use shared::units::Position;
 
-use crate::controller::{
-    AxisOutput, Controller, ControllerError, Format, PathBlock, PathShape, Status, in_process,
-};
+use motion::{PathBlock, PathShape};
+use plant::controller::{AxisOutput, Controller, ControllerError, Status, in_process};
 
 /// One frame of the protocol.
 pub type Frame = [u8; FRAME];
@@ -76,16 +76,8 @@ impl<C: Connection> Remote<C> {
                 "expected a machine of 1 to {AXES} axes, found {axes}"
             )));
         }
-        let setup = Setup {
-            format: match format {
-                Format::Fixed => protocol::Format::Fixed,
-                Format::F32 => protocol::Format::F32,
-                Format::F64 => protocol::Format::F64,
-            },
-            rates,
-            axes: padded(settings, settings[0]),
-            start: padded(start, Position(0)),
-        };
+        let setup =
+            Setup { format, rates, axes: padded(settings, settings[0]), start: padded(start, Position(0)) };
         let mut remote = Self { connection, format, rates, axes };
         remote.command(&Order::Setup(setup))?;
         Ok(remote)
@@ -116,8 +108,8 @@ impl<C: Connection> Remote<C> {
     fn exchange(&mut self, mut frame: Frame) -> Result<Answer, ControllerError> {
         self.connection.exchange(&mut frame).map_err(ControllerError::Link)?;
         match protocol::decode(&frame).map_err(|error| unexpected(&error))? {
-            Answer::Refused(Refusal::Path(error)) => Err(MachineError::Path(error).into()),
-            Answer::Refused(refusal) => Err(unexpected(&refusal)),
+            Answer::Rejected(Rejection::Path(error)) => Err(MachineError::Path(error).into()),
+            Answer::Rejected(refusal) => Err(unexpected(&refusal)),
             answer => Ok(answer),
         }
     }

@@ -6,7 +6,7 @@ use super::*;
 use crate::config::{AxisSettings, Law, Rates, ScaleLimits, Sensors};
 use crate::interpolate::block::Shape;
 use crate::interpolate::{Block, Joint, PathError, Ramps, Smoothing};
-use crate::protocol::{PART, encode};
+use crate::lockstep::protocol::{PART, encode};
 use crate::safety::Power;
 use crate::units::Position;
 
@@ -63,23 +63,23 @@ fn every_number_format_answers_orders() {
 fn the_version_is_told_before_a_setup() {
     let mut session = Session::default();
     assert_eq!(answer_to(&mut session, &Order::Identify), Some(Answer::Sources(SOURCES)));
-    assert_eq!(answer_to(&mut session, &Order::Enable), Some(Answer::Refused(Refusal::NotSetUp)));
+    assert_eq!(answer_to(&mut session, &Order::Enable), Some(Answer::Rejected(Rejection::NotSetUp)));
 }
 
 #[test]
 fn a_refusal_states_its_reason() {
     let mut session = Session::default();
-    let refusal_for = |refusal| Some(Answer::Refused(refusal));
-    assert_eq!(answer_to(&mut session, &Order::Enable), refusal_for(Refusal::NotSetUp));
+    let refusal_for = |refusal| Some(Answer::Rejected(refusal));
+    assert_eq!(answer_to(&mut session, &Order::Enable), refusal_for(Rejection::NotSetUp));
     let bad = AxisSettings { force_limit_n: 0.0, ..AxisSettings::default() };
     assert_eq!(
         answer_to(&mut session, &setup(Format::F32, &bad)),
-        refusal_for(Refusal::Settings { axis: 1 })
+        refusal_for(Rejection::Settings { axis: 1 })
     );
     assert_eq!(answer_to(&mut session, &setup(Format::F32, &AxisSettings::default())), Some(Answer::Ready));
     let zero_length = Order::Block(Block::line([0.0; AXES], 0.1, 1.0));
-    assert_eq!(answer_to(&mut session, &zero_length), refusal_for(Refusal::Path(PathError::ZeroLength)));
-    assert_eq!(session.answer(&[0xff; FRAME], &mut NoMeter), refusal_for(Refusal::Unreadable));
+    assert_eq!(answer_to(&mut session, &zero_length), refusal_for(Rejection::Path(PathError::ZeroLength)));
+    assert_eq!(session.answer(&[0xff; FRAME], &mut NoMeter), refusal_for(Rejection::Unreadable));
 }
 
 /// Any floating-point number: special values, extreme magnitudes and ordinary ones.
@@ -179,9 +179,9 @@ fn parts_belong_to_one_order() {
     assert_eq!(answer_to(&mut session, &Order::Part(part)), Some(Answer::Ready));
     assert_eq!(answer_to(&mut session, &setup(Format::Fixed, &AxisSettings::default())), Some(Answer::Ready));
     let empty = Part { bytes: heapless::Vec::new(), last: true };
-    assert_eq!(answer_to(&mut session, &Order::Part(empty)), Some(Answer::Refused(Refusal::Unreadable)));
+    assert_eq!(answer_to(&mut session, &Order::Part(empty)), Some(Answer::Rejected(Rejection::Unreadable)));
     enable[1] = 0xaa;
-    assert_eq!(session.answer(&enable, &mut NoMeter), Some(Answer::Refused(Refusal::Unreadable)));
+    assert_eq!(session.answer(&enable, &mut NoMeter), Some(Answer::Rejected(Rejection::Unreadable)));
     let readings = [Reading { motor: Position(0), table: None }; AXES];
     let Some(Answer::Tick(ticked)) = answer_to(&mut session, &Order::Tick(readings)) else { panic!() };
     assert_eq!(ticked.power, Power::Off);

@@ -1,19 +1,17 @@
-//! The controller of a simulated machine, in this process or on a chip at the other end of a connection.
+//! The controller on a chip in step with a simulated machine: the chip waits for each tick ([`shared::lockstep`]).
 //!
-//! - [`controller`]: the trait that simulator and recorder use, and the controller in this process
-//! - [`remote`]: a controller at the other end of a connection, by [`shared::protocol`]
+//! - [`remote`]: the controller at the other end of a connection
 //! - [`emulator`]: the connection to a core emulated by QEMU
 
-pub mod controller;
 pub mod emulator;
 pub mod remote;
 
 use std::path::PathBuf;
 use std::time::Duration;
 
-use controller::ControllerError;
 use emulator::Emulator;
 use files::error::quoted;
+use plant::controller::ControllerError;
 
 /// Opens a port. [`remote::Remote::set_up`] then configures its controller.
 ///

@@ -1,14 +1,15 @@
-//! The board's side of the [`crate::protocol`]: it answers every order, whatever the bytes are.
+//! The board's side of the [`crate::lockstep::protocol`]: it answers every order, whatever the bytes are.
 
 #[cfg(test)]
 mod tests;
 
+use crate::SOURCES;
 use crate::feedback::Reading;
-use crate::machine::{Machine, MachineConfig, MachineError, Output};
-use crate::protocol::{
-    AXES, Answer, FRAME, Format, LONGEST_ORDER, Order, Part, Refusal, SOURCES, Setup, TickResult, decode,
+use crate::lockstep::protocol::{
+    AXES, Answer, FRAME, LONGEST_ORDER, Order, Part, Rejection, Setup, TickResult, decode,
 };
-use crate::scalar::{Fixed, Scalar};
+use crate::machine::{Machine, MachineConfig, MachineError, Output};
+use crate::scalar::{Fixed, Format, Scalar};
 
 /// Measures the cost of a tick.
 pub trait Meter {
@@ -67,7 +68,7 @@ impl Session {
                 self.parts.clear();
                 match whole {
                     Ok(order) => self.machine.execute(&order, meter),
-                    Err(_) => Some(Answer::Refused(Refusal::Unreadable)),
+                    Err(_) => Some(Answer::Rejected(Rejection::Unreadable)),
                 }
             }
         }
@@ -77,7 +78,7 @@ impl Session {
     fn append(&mut self, part: &Part, meter: &mut impl Meter) -> Option<Answer> {
         if self.parts.extend_from_slice(&part.bytes).is_err() {
             self.parts.clear();
-            return Some(Answer::Refused(Refusal::Unreadable));
+            return Some(Answer::Rejected(Rejection::Unreadable));
         }
         if !part.last {
             return Some(Answer::Ready);
@@ -86,7 +87,7 @@ impl Session {
         self.parts.clear();
         match order {
             Ok(order) => self.machine.execute(&order, meter),
-            Err(_) => Some(Answer::Refused(Refusal::Unreadable)),
+            Err(_) => Some(Answer::Rejected(Rejection::Unreadable)),
         }
     }
 }
@@ -97,7 +98,7 @@ impl SessionMachine {
             (Order::End, _) => return None,
             (Order::Identify, _) => Answer::Sources(SOURCES),
             (Order::Setup(setup), machine) => machine.set_up(setup),
-            (_, Self::Empty) => Answer::Refused(Refusal::NotSetUp),
+            (_, Self::Empty) => Answer::Rejected(Rejection::NotSetUp),
             (order, Self::Fixed(machine)) => execute(machine, order, meter),
             (order, Self::F32(machine)) => execute(machine, order, meter),
             (order, Self::F64(machine)) => execute(machine, order, meter),
@@ -169,7 +170,7 @@ fn execute<S: Scalar>(machine: &mut Machine<S, AXES>, order: &Order, meter: &mut
         }
         // Handled by the session.
         Order::Part(_) | Order::Setup(_) | Order::Identify | Order::End => {
-            Answer::Refused(Refusal::Unreadable)
+            Answer::Rejected(Rejection::Unreadable)
         }
     }
 }
@@ -177,13 +178,13 @@ fn execute<S: Scalar>(machine: &mut Machine<S, AXES>, order: &Order, meter: &mut
 fn answer(result: Result<(), MachineError>) -> Answer {
     let refusal = match result {
         Ok(()) => return Answer::Ready,
-        Err(MachineError::Path(error)) => Refusal::Path(error),
+        Err(MachineError::Path(error)) => Rejection::Path(error),
         // No order of this protocol sets an origin.
-        Err(MachineError::NoSuchAxis | MachineError::PathRunning) => Refusal::NoSuchAxis,
+        Err(MachineError::NoSuchAxis | MachineError::PathRunning) => Rejection::NoSuchAxis,
         #[expect(clippy::cast_possible_truncation, reason = "the protocol has two axes")]
-        Err(MachineError::Config { axis, .. }) => Refusal::Settings { axis: axis as u8 },
+        Err(MachineError::Config { axis, .. }) => Rejection::Settings { axis: axis as u8 },
     };
-    Answer::Refused(refusal)
+    Answer::Rejected(refusal)
 }
 
 /// The tick as a function that is never inlined: it is what the meter measures, and where the test that looks for panics in

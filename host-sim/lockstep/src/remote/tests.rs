@@ -1,4 +1,4 @@
-use shared::session::{NoMeter, Session};
+use shared::lockstep::session::{NoMeter, Session};
 
 use super::*;
 
@@ -194,7 +194,7 @@ impl Connection for Other {
 fn a_program_of_another_version_is_refused() {
     assert!(identify(&mut Direct::default()).is_ok());
     // A version that does not know the order answers that it cannot read it.
-    for answer in [Answer::Sources(SOURCES ^ 1), Answer::Refused(Refusal::Unreadable), Answer::Ready] {
+    for answer in [Answer::Sources(SOURCES ^ 1), Answer::Rejected(Rejection::Unreadable), Answer::Ready] {
         let message = identify(&mut Other(answer)).unwrap_err().to_string();
         assert!(message.contains("build it with `cargo emulated`"), "{message}");
     }

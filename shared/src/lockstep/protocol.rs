@@ -1,6 +1,6 @@
-//! The protocol between a host and a board: postcard messages in frames of a fixed length.
+//! The protocol between a host and a chip: postcard messages in frames of a fixed length.
 //!
-//! The host sends a [`Setup`] and [`Order::Block`]s, then one [`Order::Tick`] per tick with the sensor readings; the board
+//! The host sends a [`Setup`] and [`Order::Block`]s, then one [`Order::Tick`] per tick with the sensor readings; the chip
 //! answers each order with one [`Answer`]. A frame has [`FRAME`] bytes, padded with zeros, so that the receiver knows how many
 //! to read. A longer order is sent in [`Part`]s.
 
@@ -9,8 +9,9 @@ use serde::{Deserialize, Serialize};
 use crate::compensate::{CompensationKind, CompensationSettings};
 use crate::config::{AxisSettings, Rates};
 use crate::feedback::Reading;
-use crate::interpolate::Block;
+use crate::interpolate::{Block, PathError};
 use crate::safety::{Fault, Power};
+use crate::scalar::Format;
 use crate::units::Position;
 
 /// Length of every frame in bytes.
@@ -25,24 +26,7 @@ pub const LONGEST_ORDER: usize = 7680;
 /// Number of axes of the protocol.
 pub const AXES: usize = 2;
 
-/// Identifies the sources of this crate. Messages, control laws and rounding of two programs are the same if it is.
-pub const SOURCES: u64 = match u64::from_str_radix(env!("SHARED_SOURCES"), 16) {
-    Ok(sources) => sources,
-    Err(_) => panic!("the build script writes hexadecimal digits"),
-};
-
-/// The number format of the board.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Format {
-    /// [`crate::scalar::Fixed`].
-    Fixed,
-    /// Single precision.
-    F32,
-    /// Double precision.
-    F64,
-}
-
-/// The machine that the board is to control.
+/// The machine that the chip is to control.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Setup {
     /// Number format.
@@ -64,7 +48,7 @@ pub struct Part {
     pub last: bool,
 }
 
-/// A message from host to board.
+/// A message from host to chip.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(clippy::large_enum_variant, reason = "one order at a time, and nothing to allocate it from")]
 pub enum Order {
@@ -90,7 +74,7 @@ pub enum Order {
     End,
     /// Raise a fault, for tests of the reactions.
     Fault(Fault),
-    /// Tell the version of the board's program. Answered by [`Answer::Sources`].
+    /// Tell the version of the chip's program. Answered by [`Answer::Sources`].
     Identify,
     /// Feed hold: decelerate along the path, drives on.
     Hold,
@@ -100,22 +84,22 @@ pub enum Order {
     Stop,
 }
 
-/// A message from board to host, one per order.
+/// A message from chip to host, one per order.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Answer {
     /// Executed.
     Ready,
-    /// Rejected.
-    Refused(Refusal),
+    /// Not executed; nothing has changed.
+    Rejected(Rejection),
     /// Result of a tick.
     Tick(TickResult),
-    /// [`SOURCES`] of the board's program.
+    /// [`SOURCES`](crate::SOURCES) of the chip's program.
     Sources(u64),
 }
 
 /// Why an order was rejected. The host runs the same code and can report details.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Refusal {
+pub enum Rejection {
     /// The bytes are not an order.
     Unreadable,
     /// There was no [`Setup`] before.
@@ -128,7 +112,7 @@ pub enum Refusal {
     /// The machine has no such axis.
     NoSuchAxis,
     /// The block cannot be planned.
-    Path(crate::interpolate::PathError),
+    Path(PathError),
 }
 
 /// The result of a tick.
@@ -193,49 +177,10 @@ mod tests {
         assert_eq!(decode::<Answer>(&frame).unwrap(), answer);
     }
 
-    /// Every setting present, every table at its capacity, and numbers without a short form.
-    fn longest_compensation() -> CompensationSettings {
-        use crate::compensate::settings::{
-            Cycle, ForceModel, FrictionWarmUp, POINTS, Pitch, PitchSource, Points, Reversal, Straightness,
-            Stribeck, TableFriction, Talk, TimePoints,
-        };
-        let values = || (0..POINTS).map(|k| 1.0 / (3.0 + k as f64)).collect();
-        let points = || Points { start_m: -0.1, spacing_m: 0.3, values: values() };
-        let cycles = || [0.1, 0.3].map(|period_m| Cycle { period_m, values: values() }).into_iter().collect();
-        let stribeck = Some(Stribeck { excess_n: 0.1, velocity_m_per_s: 0.3 });
-        CompensationSettings {
-            pitch: Some(Pitch { of: PitchSource::Scale, forward: points(), backward: Some(points()) }),
-            backlash_width_m: Some(0.1),
-            screw: cycles(),
-            dividing: cycles(),
-            reversal: Some(Reversal { force_n: 0.1, decay_s: 0.3, fade_m_per_s: 0.7 }),
-            intalk: Some(Talk::Over(points())),
-            crosstalk: Some((u8::MAX, Talk::Over(points()))),
-            squareness: Some((u8::MAX, 0.1)),
-            straightness: Some((u8::MAX, Straightness::Over(points()))),
-            ripple: cycles(),
-            force: Some(ForceModel {
-                motor_stribeck: stribeck,
-                friction: TableFriction {
-                    presliding_stiffness_n_per_m: Some(0.1),
-                    stribeck,
-                    map: Some(points()),
-                    warm_up: Some(FrictionWarmUp { force_n: 0.1, time_constant_s: 0.3 }),
-                    ..TableFriction::default()
-                },
-                load: Some(points()),
-                ..ForceModel::default()
-            }),
-            stretch_m_per_n: Some(0.1),
-            drift: Some(TimePoints { start_s: 0.1, spacing_s: 0.3, values: values() }),
-            ..CompensationSettings::default()
-        }
-    }
-
     /// Less than a frame remains free, so that the capacity is not larger than necessary.
     #[test]
     fn the_longest_order_fits_its_capacity() {
-        let order = Order::Compensate(u8::MAX, longest_compensation());
+        let order = Order::Compensate(u8::MAX, CompensationSettings::longest());
         let mut bytes = [0; LONGEST_ORDER];
         let length = postcard::to_slice(&order, &mut bytes).unwrap().len();
         assert!(length > LONGEST_ORDER - FRAME, "{length} bytes");

@@ -1,0 +1,21 @@
+//! Motions: the motion file, and the blocks that a controller gets.
+//!
+//! A motion file has the initial positions of the axes, by name, and the blocks of the motion: [`Motion`], [`Block`]. The crate
+//! `plant` assigns them to the axes of a machine, as [`PathBlock`]s ([`path`]).
+//!
+//! `read` converts the tables of the file (`tables`) to `block`s, with `pace` for feeds and ramps and `arc` for the ends
+//! of arcs. `bounds` contains the permitted ranges.
+
+mod arc;
+mod block;
+mod bounds;
+mod pace;
+pub mod path;
+mod read;
+mod tables;
+
+pub use block::{Block, Direction, Motion, Pace, Sweep};
+pub use path::{MAX_AXES, PathBlock, PathShape};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,92 @@
+//! The arguments that commands for a servo board share: its port, and one of its axes.
+
+use std::time::Duration;
+
+use anyhow::Result;
+
+use ::board::{BoardError, Client};
+use files::error::InputError;
+
+/// Maximum of `--timeout-s`.
+const MAX_TIMEOUT_S: f64 = 3600.0;
+
+/// The port of a board.
+#[derive(clap::Args)]
+pub struct PortArguments {
+    /// `bench` (or `emulated`): the emulated servo board, which is started if it does not run (`cargo servo` builds it); otherwise a serial port
+    /// (`board ports` lists them) or a socket.
+    #[arg(long)]
+    port: String,
+    /// Timeout for a reply of the board, s.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value_t = 2.0)]
+    timeout_s: f64,
+}
+
+impl PortArguments {
+    /// Opens a session with the board.
+    ///
+    /// # Errors
+    /// An invalid argument, a port that cannot be opened, a board that does not answer.
+    pub fn connect(&self) -> Result<Client> {
+        connect(&self.port, self.timeout_s)
+    }
+}
+
+/// Opens a session with the board at a port.
+///
+/// # Errors
+/// See [`PortArguments::connect`].
+pub fn connect(port: &str, timeout_s: f64) -> Result<Client> {
+    if !(timeout_s > 0.0 && timeout_s <= MAX_TIMEOUT_S) {
+        let expected = format!("seconds above 0 and up to {MAX_TIMEOUT_S}");
+        return Err(InputError::expected("--timeout-s", expected, timeout_s).into());
+    }
+    let is_bench = board::open::is_bench(port);
+    let port = board::open(port).map_err(|error| match error {
+        BoardError::Port(problem) => InputError::new("--port", problem).into(),
+        error => anyhow::Error::from(error),
+    })?;
+    let client = Client::connect(port, Duration::from_secs_f64(timeout_s))?;
+    if is_bench && client.welcome().sources != shared::SOURCES {
+        let problem = "the emulated board runs a program of other sources: end it (`board bench end`) and build it again \
+                       (`cargo servo`)";
+        return Err(InputError::new("--port", problem).into());
+    }
+    Ok(client)
+}
+
+/// The port of a board, and one of its axes.
+#[derive(clap::Args)]
+pub struct AxisArguments {
+    #[command(flatten)]
+    pub port: PortArguments,
+    /// Axis.
+    #[arg(long)]
+    pub axis: String,
+}
+
+impl AxisArguments {
+    /// The number of the axis.
+    ///
+    /// # Errors
+    /// If the board has no such axis.
+    pub fn number(&self) -> Result<u8, InputError> {
+        let names = board::refusal::AXIS_NAMES;
+        names
+            .iter()
+            .position(|known| *known == self.axis)
+            .and_then(|number| u8::try_from(number).ok())
+            .ok_or_else(|| {
+                InputError::expected("--axis", names.join(" or "), files::error::quoted(&self.axis))
+            })
+    }
+}
+
+/// Refuses the value of an option that is not valid, before the board is asked for anything.
+///
+/// # Errors
+/// A value that is not valid.
+pub fn check_value(option: &str, expected: &str, is_valid: bool, value: f64) -> Result<(), InputError> {
+    // Not `Display`, which writes 1e300 with all its digits.
+    if is_valid { Ok(()) } else { Err(InputError::expected(option, expected, format!("{value:?}"))) }
+}
