@@ -35,8 +35,8 @@ files_of() {
 # tests:: for all unit tests. None for all tests, where that was not measured.
 tests_of() {
   case ${1%%/*} in
-  machine) echo enabling:: first_motion:: homing:: link:: machine:: monitor:: safety:: lockstep:: ;;
-  drive) echo tests:: amplifier:: first_motion:: homing:: inputs:: link:: ;;
+  machine) echo enabling:: direction_check:: homing:: link:: machine:: monitor:: safety:: lockstep:: ;;
+  drive) echo tests:: amplifier:: direction_check:: homing:: inputs:: link:: ;;
   homing | feedback) echo tests:: homing:: ;;
   control) echo tests:: control:: enabling:: gain_change:: homing:: velocity_loop:: ;;
   monitor) echo tests:: monitor:: safety:: ;;

@@ -6,7 +6,7 @@ mod compensation;
 mod control;
 mod dual_feedback;
 mod enabling;
-mod first_motion;
+mod direction_check;
 mod gain_change;
 mod homing;
 mod inputs;

@@ -97,13 +97,13 @@ pub struct Bench {
     /// Forces that act until the next tick, N.
     forces: [f32; AXES],
     enabled: bool,
-    hands: Hands,
+    operator_inputs: OperatorInputs,
 }
 
 /// What a person operates at the machine.
 #[derive(Clone, Copy, Debug, Default)]
 #[expect(clippy::struct_excessive_bools, reason = "switches and wires")]
-pub struct Hands {
+pub struct OperatorInputs {
     /// The enable switch is closed.
     pub enable_switch: bool,
     /// The emergency stop is pressed.
@@ -124,7 +124,7 @@ impl Bench {
             axes: core::array::from_fn(|axis| AxisPlant::new(BACKLASH_M[axis], START_M[axis])),
             forces: [0.0; AXES],
             enabled: false,
-            hands: Hands {
+            operator_inputs: OperatorInputs {
                 enable_switch: false,
                 emergency_stop: false,
                 x_frozen: Frozen { encoder: false, scale: false },
@@ -135,13 +135,13 @@ impl Bench {
     }
 
     /// What the person at the machine operates.
-    pub const fn hands(&mut self) -> &mut Hands {
-        &mut self.hands
+    pub const fn operator_inputs(&mut self) -> &mut OperatorInputs {
+        &mut self.operator_inputs
     }
 
     /// Moves the machine by the time of a tick.
     pub fn step(&mut self) {
-        let frozen = [self.hands.x_frozen, Frozen::default()];
+        let frozen = [self.operator_inputs.x_frozen, Frozen::default()];
         for ((axis, force), frozen) in self.axes.iter_mut().zip(self.forces).zip(frozen) {
             axis.step(if self.enabled { force } else { 0.0 }, frozen);
         }
@@ -157,7 +157,7 @@ impl Default for Bench {
 impl Board<AXES, DriveSignal> for Bench {
     fn readings(&mut self) -> [Reading; AXES] {
         let [mut x, y] = self.axes.each_ref().map(AxisPlant::reading);
-        if self.hands.x_scale_lost {
+        if self.operator_inputs.x_scale_lost {
             x.table = None;
         }
         [x, y]
@@ -170,16 +170,16 @@ impl Board<AXES, DriveSignal> for Bench {
             motor_index: axis.take_index(),
             ..AxisInputs::NONE
         });
-        Inputs { axes, emergency_stop: self.hands.emergency_stop, supply: SUPPLY }
+        Inputs { axes, emergency_stop: self.operator_inputs.emergency_stop, supply: SUPPLY }
     }
 
     fn enable_switch_closed(&mut self) -> bool {
-        self.hands.enable_switch
+        self.operator_inputs.enable_switch
     }
 
     fn hardware_stop_active(&mut self) -> bool {
         // The emergency stop also cuts the power stages without the processor.
-        self.hands.emergency_stop
+        self.operator_inputs.emergency_stop
     }
 
     fn set_signals(&mut self, signals: [DriveSignal; AXES]) {
@@ -196,7 +196,7 @@ impl Board<AXES, DriveSignal> for Bench {
     }
 
     fn set_light(&mut self, lit: bool) {
-        self.hands.light = lit;
+        self.operator_inputs.light = lit;
     }
 
     fn next_tick_due(&mut self) -> bool {

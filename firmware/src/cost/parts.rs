@@ -10,7 +10,7 @@ use shared::config::{AxisConfig, AxisSettings, Law};
 use shared::control::{feedforward, filter, position, velocity};
 use shared::feedback::dual;
 use shared::feedback::phase::Phase;
-use shared::interpolate::turn::sin_cos;
+use shared::interpolate::sincos::sin_cos;
 use shared::interpolate::{Block, Path, Smoothing};
 use shared::scalar::Scalar;
 

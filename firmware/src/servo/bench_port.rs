@@ -1,6 +1,6 @@
 //! The bytes of the bench: what a person does at the machine.
 
-use crate::bench::Hands;
+use crate::bench::OperatorInputs;
 
 /// The byte that ends the emulator.
 pub const END: u8 = b'q';
@@ -14,18 +14,18 @@ pub const END: u8 = b'q';
 /// | `f`, `t` | freezes the encoder of the x motor, thaws it |
 /// | `k`, `m` | freezes the x scale, thaws it |
 /// | `l`, `g` | loses the signal of the x scale, gives it back |
-pub fn operate(hands: &mut Hands, byte: u8) -> bool {
+pub fn operate(operator_inputs: &mut OperatorInputs, byte: u8) -> bool {
     let (input, on) = match byte {
-        b'c' => (&mut hands.enable_switch, true),
-        b'o' => (&mut hands.enable_switch, false),
-        b'e' => (&mut hands.emergency_stop, true),
-        b'r' => (&mut hands.emergency_stop, false),
-        b'f' => (&mut hands.x_frozen.encoder, true),
-        b't' => (&mut hands.x_frozen.encoder, false),
-        b'k' => (&mut hands.x_frozen.scale, true),
-        b'm' => (&mut hands.x_frozen.scale, false),
-        b'l' => (&mut hands.x_scale_lost, true),
-        b'g' => (&mut hands.x_scale_lost, false),
+        b'c' => (&mut operator_inputs.enable_switch, true),
+        b'o' => (&mut operator_inputs.enable_switch, false),
+        b'e' => (&mut operator_inputs.emergency_stop, true),
+        b'r' => (&mut operator_inputs.emergency_stop, false),
+        b'f' => (&mut operator_inputs.x_frozen.encoder, true),
+        b't' => (&mut operator_inputs.x_frozen.encoder, false),
+        b'k' => (&mut operator_inputs.x_frozen.scale, true),
+        b'm' => (&mut operator_inputs.x_frozen.scale, false),
+        b'l' => (&mut operator_inputs.x_scale_lost, true),
+        b'g' => (&mut operator_inputs.x_scale_lost, false),
         _ => return false,
     };
     *input = on;

@@ -10,7 +10,7 @@
 //! - [`mapped`]: the travel that a compensation is made for, and motions that leave it
 //! - [`listed`]: the items of a plan, and what is left out
 //! - `capacity`: what of a model is beyond what the controller can compensate
-//! - [`round_trip`]: the same motions before and after on a simulated machine, whose controller runs where [`place`] says
+//! - [`round_trip`]: the same motions before and after on a simulated machine, whose controller runs where [`controller_host`] says
 //! - [`limits`]: what limits the error that is left: noise, resolution, bandwidth, or what the model does not describe
 //! - [`alignment`]: logs whose channels are late
 //! - [`mod@file`]: the compensation file; [`json`]: the plan as JSON; [`text`]: for a terminal
@@ -27,7 +27,7 @@ pub mod json;
 pub mod limits;
 pub mod listed;
 pub mod mapped;
-pub mod place;
+pub mod controller_host;
 pub mod plan;
 pub mod planning;
 pub mod prediction;

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::file::CompensationFile;
 use crate::prediction::{self, PredictionError, TestMotion, contour_error, total_rms_um};
-use crate::round_trip::{RealMachine, Sensing, with_sensing};
+use crate::round_trip::{MachineUnderTest, Sensing, with_sensing};
 use model::machine::Machine;
 use plant::instruments::Instruments;
 
@@ -74,7 +74,7 @@ impl Limits {
     /// # Errors
     /// If a motion cannot be simulated.
     pub fn measure(
-        real: &dyn RealMachine,
+        real: &dyn MachineUnderTest,
         (model, instruments): (&Machine, Instruments),
         file: &CompensationFile,
         tests: &[TestMotion],

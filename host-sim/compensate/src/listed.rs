@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::choice::{Choice, Part, Strength};
 use crate::planning::Planning;
-use crate::treatment::{self, Treatment};
+use crate::treatment::{self, EffectCompensation};
 
 /// Why a part has no setting, and what to do instead.
 const NO_SETTING: (&str, &str) = (
@@ -102,7 +102,7 @@ impl Planning<'_> {
         let mut list = Vec::new();
         for (name, axis) in &self.model.axis {
             for effect in &axis.effect {
-                if let Treatment::Not { why, instead } = treatment::of(effect) {
+                if let EffectCompensation::Not { why, instead } = treatment::of(effect) {
                     let (why, instead) = (why.to_owned(), instead.to_owned());
                     list.push(NotCompensated {
                         effect: effect.name().to_owned(),

@@ -14,7 +14,7 @@ use crate::mapped::{self, Beyond};
 use crate::planning::Planning;
 use crate::prediction::{self, PredictionError, TestMotion, contour_errors, total_rms_um};
 use crate::servo::ControllerChange;
-use crate::treatment::{self, Treatment};
+use crate::treatment::{self, EffectCompensation};
 use crate::watched::{Watch, Watched};
 use crate::{force, tables};
 use contour::ContourError;
@@ -181,7 +181,7 @@ impl Planning<'_> {
         let mut parts = Vec::new();
         for (index, axis) in self.model.axis.values().enumerate() {
             let is_compensated =
-                |(_, effect): &(usize, &Effect)| matches!(treatment::of(effect), Treatment::Compensated(_));
+                |(_, effect): &(usize, &Effect)| matches!(treatment::of(effect), EffectCompensation::Compensated(_));
             let effects = axis.effect.iter().enumerate().filter(is_compensated);
             parts.extend(effects.map(|(effect, _)| Part::Effect(index, effect)));
             if axis.settings.has_mass() {

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::alignment::aligned;
 use crate::file::{CompensationFile, Refused};
-use crate::place::Place;
+use crate::controller_host::ControllerHost;
 use contour::verification::{Commanded, Prediction};
 use contour::{ContourError, LoggedMotion};
 use files::error::InputError;
@@ -70,12 +70,12 @@ pub fn log(
     machine: &Machine,
     file: &CompensationFile,
     test: &TestMotion,
-    (instruments, place): (Instruments, Place),
+    (instruments, controller_host): (Instruments, ControllerHost),
 ) -> Result<Log, PredictionError> {
     let plant = |machine: &Machine, start_m: &[f64]| {
         Ok(MachineSim::new(machine, instruments, start_m)?.starting_at(test.start_s))
     };
-    log_of_plant((machine, plant), file, test, place)
+    log_of_plant((machine, plant), file, test, controller_host)
 }
 
 /// The same of any plant: `plant` makes it from the machine with the settings of the compensation, at rest at its start, m.
@@ -86,12 +86,12 @@ pub fn log_of_plant<P: Plant>(
     (machine, plant): (&Machine, impl FnOnce(&Machine, &[f64]) -> Result<P, SimulationError>),
     file: &CompensationFile,
     test: &TestMotion,
-    place: Place,
+    controller_host: ControllerHost,
 ) -> Result<Log, PredictionError> {
     let machine = &file.applied_to(machine);
     let path = MachinePath::new(&test.motion, machine, &test.source)?;
     let failed = |error| PredictionError::Simulation { motion: test.source.clone(), error };
-    let mut controller = place.controller(machine, &path.start_m).map_err(failed)?;
+    let mut controller = controller_host.controller(machine, &path.start_m).map_err(failed)?;
     file.set(machine, controller.as_mut())?;
     let mut plant = plant(machine, &path.start_m).map_err(failed)?;
     let closed_loop = ClosedLoop { machine, blocks: &path.blocks, start_s: test.start_s };
@@ -123,7 +123,7 @@ pub fn contour_error_on(
     test: &TestMotion,
     instruments: Instruments,
 ) -> Result<ContourError, PredictionError> {
-    contour_error(&log(machine, file, test, (instruments, Place::Host))?, machine)
+    contour_error(&log(machine, file, test, (instruments, ControllerHost::Host))?, machine)
 }
 
 /// Contour error of a log, whose channels are aligned by the model.
@@ -159,7 +159,7 @@ pub fn predictions(
     let none = CompensationFile::none(machine);
     let one = |test: &TestMotion| {
         let measured = |file| {
-            let log = aligned(&log(machine, file, test, (instruments, Place::Host))?, machine);
+            let log = aligned(&log(machine, file, test, (instruments, ControllerHost::Host))?, machine);
             let motion = LoggedMotion::of(&log).ok();
             let both = motion.and_then(|motion| Some((motion.contour_error()?, motion)));
             both.ok_or_else(|| PredictionError::NoContour { motion: test.motion.name.clone() })

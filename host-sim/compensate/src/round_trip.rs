@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::file::CompensationFile;
-use crate::place::Place;
+use crate::controller_host::ControllerHost;
 use crate::prediction::{self, PredictionError, TestMotion, contour_error, total_rms_um};
 use contour::ContourError;
 use contour::comparison::Comparison;
@@ -43,7 +43,7 @@ pub enum Sensing {
 }
 
 /// A machine on which motions are executed.
-pub trait RealMachine: Sync {
+pub trait MachineUnderTest: Sync {
     /// Log of a motion with a compensation. `run` selects the noise of the sensors: each run has other noise.
     ///
     /// # Errors
@@ -67,10 +67,10 @@ pub struct SimulatedMachine<'a> {
     pub instruments: Instruments,
     /// Where its controller runs with a compensation and the sensors as they are; otherwise it runs in this process, with the same
     /// bits.
-    pub place: Place,
+    pub controller_host: ControllerHost,
 }
 
-impl RealMachine for SimulatedMachine<'_> {
+impl MachineUnderTest for SimulatedMachine<'_> {
     fn log(
         &self,
         file: &CompensationFile,
@@ -81,8 +81,8 @@ impl RealMachine for SimulatedMachine<'_> {
         let instruments = with_sensing(self.instruments, sensing);
         let instruments = Instruments { seed: instruments.seed + run, ..instruments };
         let is_plain = file.axis.is_empty() || sensing != Sensing::Installed;
-        let place = if is_plain { Place::Host } else { self.place };
-        prediction::log(self.machine, file, test, (instruments, place))
+        let controller_host = if is_plain { ControllerHost::Host } else { self.controller_host };
+        prediction::log(self.machine, file, test, (instruments, controller_host))
     }
 }
 
@@ -101,7 +101,7 @@ pub fn with_sensing(instruments: Instruments, sensing: Sensing) -> Instruments {
 /// # Errors
 /// If a motion cannot be simulated.
 pub fn compare(
-    real: &dyn RealMachine,
+    real: &dyn MachineUnderTest,
     (model, instruments): (&Machine, Instruments),
     [file_before, file]: [&CompensationFile; 2],
     tests: &[TestMotion],
@@ -113,7 +113,7 @@ pub fn compare(
             let first = 1000 + 3 * number as u64;
             let instruments = Instruments { seed: instruments.seed + first + 1, ..instruments };
             let before = real.log(file_before, test, first, Sensing::Installed)?;
-            let predicted = prediction::log(model, file, test, (instruments, Place::Host))?;
+            let predicted = prediction::log(model, file, test, (instruments, ControllerHost::Host))?;
             let after = real.log(file, test, first + 2, Sensing::Installed)?;
             let of = |log| contour_error(log, model);
             let errors = [of(&before)?, of(&predicted)?, of(&after)?];

@@ -4,7 +4,7 @@ use model::effects::Effect;
 
 /// What is done about an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Treatment {
+pub enum EffectCompensation {
     /// The controller compensates it; what it does.
     Compensated(&'static str),
     /// The controller cannot compensate it.
@@ -18,25 +18,25 @@ pub enum Treatment {
 
 /// What is done about an effect.
 #[must_use]
-pub const fn of(effect: &Effect) -> Treatment {
+pub const fn of(effect: &Effect) -> EffectCompensation {
     if let Some(does) = done(effect) {
-        return Treatment::Compensated(does);
+        return EffectCompensation::Compensated(does);
     }
     let (why, instead) = not_done(effect);
-    Treatment::Not { why, instead }
+    EffectCompensation::Not { why, instead }
 }
 
 /// What the controller does about an effect, and what to set against what it leaves; empty if it does nothing.
 #[must_use]
 pub fn description(effect: &Effect) -> String {
     match (of(effect), effect) {
-        (Treatment::Compensated(does), Effect::Resonance(resonance)) => format!(
+        (EffectCompensation::Compensated(does), Effect::Resonance(resonance)) => format!(
             "{does}; against the oscillation that steps of the acceleration excite, limit the jerk, or set smoothing_s = {:.4}, \
              one period, on all axes of the machine file",
             resonance.frequency_hz.recip()
         ),
-        (Treatment::Compensated(does), _) => does.to_owned(),
-        (Treatment::Not { .. }, _) => String::new(),
+        (EffectCompensation::Compensated(does), _) => does.to_owned(),
+        (EffectCompensation::Not { .. }, _) => String::new(),
     }
 }
 
@@ -164,12 +164,12 @@ mod tests {
     #[test]
     fn an_effect_is_compensated_or_has_its_reason() {
         let intalk = of(&Effect::Intalk(Intalk::default()));
-        assert!(matches!(intalk, Treatment::Compensated(does) if does.contains("acceleration")));
+        assert!(matches!(intalk, EffectCompensation::Compensated(does) if does.contains("acceleration")));
         let resonance = Resonance::of_tool(62.5, 0.02);
         assert!(description(&Effect::Resonance(resonance)).contains("smoothing_s = 0.0160,"));
         let latency = Latency { channel: model::effects::Channel::Tool, ms: 1.0 };
         for effect in [Effect::DriveLag(DriveLag::default()), Effect::Latency(latency)] {
-            let Treatment::Not { why, .. } = of(&effect) else { panic!("{effect:?} is compensated") };
+            let EffectCompensation::Not { why, .. } = of(&effect) else { panic!("{effect:?} is compensated") };
             assert!(why != "no compensation is known");
         }
     }

@@ -15,7 +15,7 @@ const MAX_GAP: usize = SECTORS / 36;
 
 /// One direction of a circle.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LapError {
+pub struct LapDeviation {
     /// Seen with the first axis to the right and the second up.
     pub is_clockwise: bool,
     /// Radial deviation F from the programmed circle, smallest and largest (ISO 230-4, about the programmed centre), µm.
@@ -32,20 +32,20 @@ pub struct LapError {
 
 /// A full circle in at least one direction.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CircleError {
+pub struct CircleDeviation {
     /// Indices of the two axes.
     pub plane: [usize; 2],
     /// Programmed radius, m.
     pub radius: f64,
     /// The directions in which it is full, counter-clockwise first.
-    pub laps: Vec<LapError>,
+    pub laps: Vec<LapDeviation>,
     /// Bidirectional circular deviation G(b), µm, if both directions are full.
     pub bidirectional_um: Option<f64>,
     /// Circular hysteresis H, µm, likewise.
     pub hysteresis_um: Option<f64>,
 }
 
-impl CircleError {
+impl CircleDeviation {
     /// The larger circular deviation G of the directions, µm.
     #[must_use]
     pub fn circular_um(&self) -> f64 {
@@ -80,15 +80,15 @@ impl CircleSum {
     }
 
     /// The result; `None` if the circle is full in neither direction.
-    pub fn finish(&self) -> Option<CircleError> {
-        let laps: Vec<LapError> = [false, true].into_iter().filter_map(|way| self.lap(way)).collect();
+    pub fn finish(&self) -> Option<CircleDeviation> {
+        let laps: Vec<LapDeviation> = [false, true].into_iter().filter_map(|way| self.lap(way)).collect();
         let ballbar = match &laps[..] {
             [positive, negative] => {
                 Some(Ballbar { positive: positive.lap.clone(), negative: negative.lap.clone() })
             }
             _ => None,
         };
-        (!laps.is_empty()).then(|| CircleError {
+        (!laps.is_empty()).then(|| CircleDeviation {
             plane: self.circle.plane,
             radius: self.circle.radius,
             bidirectional_um: ballbar.as_ref().map(Ballbar::bidirectional_deviation_um),
@@ -97,7 +97,7 @@ impl CircleSum {
         })
     }
 
-    fn lap(&self, is_clockwise: bool) -> Option<LapError> {
+    fn lap(&self, is_clockwise: bool) -> Option<LapDeviation> {
         let sectors = &self.sectors[usize::from(is_clockwise)];
         let is_empty = |i: usize| sectors[i % SECTORS].1 == 0;
         let has_gap = (0..SECTORS).any(|from| (from..=from + MAX_GAP).all(is_empty));
@@ -109,7 +109,7 @@ impl CircleSum {
         let points: Vec<(f64, f64)> =
             filled.map(|(i, (sum, count))| (middle(i), 1e6 * sum / f64::from(*count))).collect();
         let lap = Lap::from_polar(points.clone())?;
-        Some(LapError {
+        Some(LapDeviation {
             is_clockwise,
             radial_um: numerics::min_max(points.iter().map(|point| point.1)),
             circular_um: lap.circular_deviation_um(),

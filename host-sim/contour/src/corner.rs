@@ -73,7 +73,7 @@ impl Corner {
 
 /// How the tool passes a corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CornerError {
+pub struct CornerDeviation {
     /// Position of the corner, m.
     pub point: Point,
     /// Change of direction, rad, 0 to π.
@@ -119,9 +119,9 @@ impl CornerSum {
     }
 
     /// The result; `None` if the tool was not seen on both parts of the corner.
-    pub fn finish(&self) -> Option<CornerError> {
+    pub fn finish(&self) -> Option<CornerDeviation> {
         let steady_m = self.steady_m / f64::from(self.steady_samples);
-        (self.steady_samples > 0 && self.smallest_m.is_finite()).then(|| CornerError {
+        (self.steady_samples > 0 && self.smallest_m.is_finite()).then(|| CornerDeviation {
             point: self.corner.point,
             turn_rad: self.corner.turn_rad,
             overshoot_um: 1e6 * (self.outward_max_m - steady_m.max(0.0)).max(0.0),

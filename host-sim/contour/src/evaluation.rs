@@ -1,8 +1,8 @@
 //! The contour error of a run, sample by sample, in constant memory.
 
 use super::across::{Across, AcrossSum};
-use super::circle::{CircleError, CircleSum};
-use super::corner::{self, Corner, CornerError, CornerSum};
+use super::circle::{CircleDeviation, CircleSum};
+use super::corner::{self, Corner, CornerDeviation, CornerSum};
 use super::path::{Nearest, NominalPath};
 use super::sums::{Magnitude, Noise};
 use super::vector::{Point, distance, dot, length, minus};
@@ -38,9 +38,9 @@ pub struct ContourError {
     /// Blocks in which the tool was, in the order of the path.
     pub blocks: Vec<BlockError>,
     /// The corners.
-    pub corners: Vec<CornerError>,
+    pub corners: Vec<CornerDeviation>,
     /// The full circles.
-    pub circles: Vec<CircleError>,
+    pub circles: Vec<CircleDeviation>,
     /// Whether there is only one axis: the error is then along it, the following error at the tool.
     pub is_along_axis: bool,
 }
@@ -61,7 +61,7 @@ impl ContourError {
     /// Circular deviation G of the largest full circle, the larger of its directions, µm.
     #[must_use]
     pub fn circular_um(&self) -> Option<f64> {
-        self.largest_circle().map(CircleError::circular_um)
+        self.largest_circle().map(CircleDeviation::circular_um)
     }
 
     /// Circular hysteresis H of the largest circle that is full in both directions, µm.
@@ -77,7 +77,7 @@ impl ContourError {
         spikes_um.max_by(|a, b| a.abs().total_cmp(&b.abs()))
     }
 
-    fn largest_circle(&self) -> Option<&CircleError> {
+    fn largest_circle(&self) -> Option<&CircleDeviation> {
         self.circles.iter().max_by(|a, b| a.radius.total_cmp(&b.radius))
     }
 

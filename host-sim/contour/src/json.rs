@@ -2,8 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
-use super::circle::{CircleError, LapError};
-use super::corner::CornerError;
+use super::circle::{CircleDeviation, LapDeviation};
+use super::corner::CornerDeviation;
 use super::evaluation::{BlockError, ContourError};
 use super::log_error::LogError;
 
@@ -38,8 +38,8 @@ pub fn of_logs(logs: &[LogError]) -> Value {
     logs.iter().map(one).collect()
 }
 
-fn of_circle(circle: &CircleError, axes: &[String]) -> Value {
-    let lap = |lap: &LapError| {
+fn of_circle(circle: &CircleDeviation, axes: &[String]) -> Value {
+    let lap = |lap: &LapDeviation| {
         json!({
             "direction": if lap.is_clockwise { "clockwise" } else { "counter-clockwise" },
             "circular_deviation_um": lap.circular_um,
@@ -57,7 +57,7 @@ fn of_circle(circle: &CircleError, axes: &[String]) -> Value {
     })
 }
 
-fn of_corner(corner: &CornerError, axes: &[String]) -> Value {
+fn of_corner(corner: &CornerDeviation, axes: &[String]) -> Value {
     let position: Map<String, Value> =
         axes.iter().zip(corner.point).map(|(axis, m)| (axis.clone(), json!(1e3 * m))).collect();
     json!({

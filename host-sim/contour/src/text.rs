@@ -1,7 +1,7 @@
 //! The contour error for a terminal.
 
-use super::circle::{CircleError, LapError};
-use super::corner::CornerError;
+use super::circle::{CircleDeviation, LapDeviation};
+use super::corner::CornerDeviation;
 use super::evaluation::{BlockError, ContourError};
 use super::log_error::LogError;
 use files::format::{fixed, signed, significant};
@@ -66,7 +66,7 @@ fn row(name: &str, rms_um: f64, max_um: f64) -> String {
 }
 
 /// One line for a circle, and one for each of its directions.
-fn of_circle(circle: &CircleError, axes: &[String]) -> String {
+fn of_circle(circle: &CircleDeviation, axes: &[String]) -> String {
     let names = circle.plane.map(|axis| axes.get(axis).map_or("", String::as_str));
     let mut text = format!(
         "Circle {}{} of {} mm radius (ISO 230-4):",
@@ -87,7 +87,7 @@ fn of_circle(circle: &CircleError, axes: &[String]) -> String {
     text
 }
 
-fn of_lap(lap: &LapError) -> String {
+fn of_lap(lap: &LapDeviation) -> String {
     let direction = if lap.is_clockwise { "clockwise" } else { "counter-clockwise" };
     let [min, max] = lap.radial_um.map(|um| signed(um, 2));
     let spikes = lap.spikes_um.map(|um| signed(um, 2)).join(", ");
@@ -99,7 +99,7 @@ fn of_lap(lap: &LapError) -> String {
 }
 
 /// A sentence on the corners, if there are any.
-fn of_corners(corners: &[CornerError]) -> Option<String> {
+fn of_corners(corners: &[CornerDeviation]) -> Option<String> {
     let worst = corners.iter().max_by(|a, b| a.overshoot_um.total_cmp(&b.overshoot_um))?;
     let rounded = numerics::max(corners.iter().map(|corner| corner.rounding_um));
     Some(format!(

@@ -11,11 +11,11 @@ use serde_json::{Value, json};
 
 use compensate::file::CompensationFile;
 use compensate::limits::Limits;
-use compensate::place::Place;
+use compensate::controller_host::ControllerHost;
 use compensate::plan::Plan;
 use compensate::planning::Planning;
 use compensate::prediction::{PredictionError, TestMotion};
-use compensate::round_trip::{self, Compared, RealMachine, SimulatedMachine};
+use compensate::round_trip::{self, Compared, MachineUnderTest, SimulatedMachine};
 use contour::log_error::LogError;
 use files::error::InputError;
 use files::log::Log;
@@ -27,7 +27,7 @@ use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run, SimulationError};
 use shared::scalar::Format;
 use trace::Trace;
-use trace::outcome::{AxisTrace, StageError};
+use trace::outcome::{AxisTrace, StageResidual};
 
 /// The declared machine.
 pub use model::examples::DEMO_MACHINE as MACHINE;
@@ -77,7 +77,7 @@ pub struct Demo {
     /// The compensation of the traced model, and the motions before and after it.
     pub compensated: Compensated,
     /// Where the controller ran with the compensation.
-    pub place: Place,
+    pub controller_host: ControllerHost,
 }
 
 /// A machine with one undeclared effect, and the trace of its logs.
@@ -111,12 +111,12 @@ pub fn run(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoErro
     let traced = traced(seed, progress)?;
     progress("compensating the machine");
     let instruments = Instruments::typical(seed);
-    let real = SimulatedMachine { machine: &traced.drawn.truth, instruments, place: Place::found() };
+    let real = SimulatedMachine { machine: &traced.drawn.truth, instruments, controller_host: ControllerHost::found() };
     let model = traced.trace.better_machine();
     let before = CompensationFile::none(&model);
     let compensated = compensated(&model, (&real, &before), seed)?;
-    let place = real.place;
-    Ok(Demo { traced, compensated, place })
+    let controller_host = real.controller_host;
+    Ok(Demo { traced, compensated, controller_host })
 }
 
 /// Simulates, logs and traces the machine of a seed; `progress` receives the name of each step as it starts.
@@ -140,7 +140,7 @@ pub fn traced(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Traced, Dem
 /// If the model or the machine cannot be simulated, or the compensation is refused.
 pub fn compensated(
     model: &Machine,
-    (real, before): (&dyn RealMachine, &CompensationFile),
+    (real, before): (&dyn MachineUnderTest, &CompensationFile),
     seed: u64,
 ) -> Result<Compensated, DemoError> {
     let instruments = Instruments::typical(seed);
@@ -228,8 +228,8 @@ impl Traced {
     pub fn headline(&self) -> Option<Headline> {
         let errors = || self.axis().into_iter().flat_map(|axis| &axis.errors);
         let positions = || errors().filter(|error| error.stage != Stage::Force);
-        let max_by = |of: fn(&StageError) -> f64| positions().max_by(|a, b| of(a).total_cmp(&of(b)));
-        let decrease = |error: &StageError| (error.before.validate - error.after.validate) / error.noise;
+        let max_by = |of: fn(&StageResidual) -> f64| positions().max_by(|a, b| of(a).total_cmp(&of(b)));
+        let decrease = |error: &StageResidual| (error.before.validate - error.after.validate) / error.noise;
         let error = max_by(decrease)
             .filter(|error| decrease(error) > 1.0)
             .or_else(|| max_by(|e| e.before.validate / e.noise))?;

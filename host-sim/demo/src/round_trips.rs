@@ -9,8 +9,8 @@ use super::second_machine::SecondMachine;
 use super::{Compensated, DemoError, MACHINE, compensated, draw_several, logs};
 use compensate::file::{AxisCompensation, CompensationFile};
 use compensate::limits::{Limit, Limits};
-use compensate::place::Place;
-use compensate::round_trip::{RealMachine, SimulatedMachine, totals_um};
+use compensate::controller_host::ControllerHost;
+use compensate::round_trip::{MachineUnderTest, SimulatedMachine, totals_um};
 use compensate::servo::ControllerChange;
 use model::axis::Law;
 use model::machine::Machine;
@@ -132,7 +132,7 @@ fn of_demo(declared: &Machine, seed: u64, effects: usize) -> Result<RoundTrip, D
     let trace = trace::trace(declared, &fit, &validate, &|_| ())?;
     let effects = effects.iter().map(|(axis, effect)| format!("{axis}: {}", effect.name())).collect();
     let instruments = Instruments::typical(seed);
-    let real = SimulatedMachine { machine: &truth, instruments, place: Place::Host };
+    let real = SimulatedMachine { machine: &truth, instruments, controller_host: ControllerHost::Host };
     round_trip(seed, effects, &trace, (&real, &CompensationFile::none(declared)))
 }
 
@@ -169,7 +169,7 @@ fn round_trip(
     seed: u64,
     effects: Vec<String>,
     trace: &Trace,
-    real: (&dyn RealMachine, &CompensationFile),
+    real: (&dyn MachineUnderTest, &CompensationFile),
 ) -> Result<RoundTrip, DemoError> {
     let Compensated { motions, limits, .. } = compensated(&trace.better_machine(), real, seed)?;
     Ok(RoundTrip { seed, effects, found: trace.found_names(), contour_um: totals_um(&motions), limits })

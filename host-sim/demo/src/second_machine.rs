@@ -5,9 +5,9 @@ use rand_chacha::ChaCha8Rng;
 use shared::axis::Reading;
 
 use compensate::file::CompensationFile;
-use compensate::place::Place;
+use compensate::controller_host::ControllerHost;
 use compensate::prediction::{self, PredictionError, TestMotion};
-use compensate::round_trip::{RealMachine, Sensing};
+use compensate::round_trip::{MachineUnderTest, Sensing};
 use files::log::Log;
 use model::machine::Machine;
 use plant::machine_sim::{Measurement, position};
@@ -55,7 +55,7 @@ impl SecondMachine {
     }
 }
 
-impl RealMachine for SecondMachine {
+impl MachineUnderTest for SecondMachine {
     fn log(
         &self,
         file: &CompensationFile,
@@ -73,7 +73,7 @@ impl RealMachine for SecondMachine {
                 random: ChaCha8Rng::seed_from_u64(self.seed + run),
             })
         };
-        prediction::log_of_plant((&self.machine, plant), file, test, Place::Host)
+        prediction::log_of_plant((&self.machine, plant), file, test, ControllerHost::Host)
     }
 }
 

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use compensate::file::CompensationFile;
 use compensate::prediction::{self, PredictionError, TestMotion, contour_error};
-use compensate::round_trip::{RealMachine, Sensing, SimulatedMachine};
+use compensate::round_trip::{MachineUnderTest, Sensing, SimulatedMachine};
 use compensate::standard_motions;
 use contour::ContourError;
 use files::error::InputError;

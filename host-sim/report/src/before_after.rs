@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use contour::ContourError;
-use contour::circle::CircleError;
+use contour::circle::CircleDeviation;
 use contour::comparison::{Comparison, QUANTITIES};
 use files::format::{fixed, signed, significant};
 use pages::markup::{Column, figure, legend, line_entry, note, number_cell, paragraph, table, text};
@@ -63,10 +63,10 @@ pub(crate) fn errors(rows: &[Comparison]) -> Markup {
 
 /// The largest circle of each contour error, beside each other on one scale; empty if one has no circle.
 pub(crate) fn on_one_scale(errors: &[(&str, &ContourError)], axes: &[String]) -> Markup {
-    let largest = |error: &ContourError| -> Option<CircleError> {
+    let largest = |error: &ContourError| -> Option<CircleDeviation> {
         error.circles.iter().max_by(|a, b| a.radius.total_cmp(&b.radius)).cloned()
     };
-    let circles: Option<Vec<(&str, CircleError)>> =
+    let circles: Option<Vec<(&str, CircleDeviation)>> =
         errors.iter().map(|(title, error)| Some((*title, largest(error)?))).collect();
     let Some(circles) = circles.filter(|circles| !circles.is_empty()) else { return Markup::default() };
     let points = circles.iter().flat_map(|(_, circle)| &circle.laps).flat_map(|lap| &lap.points);
@@ -83,7 +83,7 @@ pub(crate) fn on_one_scale(errors: &[(&str, &ContourError)], axes: &[String]) ->
     }
 }
 
-fn picture(title: &str, circle: &CircleError, division_um: f64, axes: &[String]) -> Markup {
+fn picture(title: &str, circle: &CircleDeviation, division_um: f64, axes: &[String]) -> Markup {
     let [min, max] = numerics::min_max(circle.laps.iter().flat_map(|lap| &lap.points).map(|point| point.1));
     let caption = format!(
         "{title}: {} to {} µm, G {} µm. One division is {} µm, magnified {} times.",

@@ -5,7 +5,7 @@ use files::format::{percent, significant};
 use files::log::Unit;
 use trace::fit::fit_data::FitAndValidationRms;
 use trace::fit::limits::ParameterAtLimit;
-use trace::outcome::{AxisTrace, StageError};
+use trace::outcome::{AxisTrace, StageResidual};
 use trace::stages::{residual_unit, stage_names};
 use trace::validation::found_effect::FoundEffect;
 use trace::verdict;
@@ -13,10 +13,10 @@ use trace::verdict;
 /// The rms residuals of the stages that a condition selects, as a list; `None` if it selects none.
 fn list_residuals(
     axis: &AxisTrace,
-    is_listed: impl Fn(&StageError) -> bool,
+    is_listed: impl Fn(&StageResidual) -> bool,
     rms: fn(&FitAndValidationRms) -> f64,
 ) -> Option<String> {
-    let of_stage = |error: &StageError| {
+    let of_stage = |error: &StageResidual| {
         let (unit, _) = residual_unit(axis.unit, error.stage);
         let residual = rms(&error.after);
         format!(
@@ -57,7 +57,7 @@ pub fn misfit(axis: &AxisTrace) -> Option<String> {
 /// describes both.
 #[must_use]
 pub fn misfit_held_out(axis: &AxisTrace) -> Option<String> {
-    let only_held_out = |error: &StageError| verdict::is_gross_held_out(error) && !verdict::is_gross(error);
+    let only_held_out = |error: &StageResidual| verdict::is_gross_held_out(error) && !verdict::is_gross(error);
     let residuals = list_residuals(axis, only_held_out, |pair| pair.validate)?;
     Some(format!(
         "{}: the model does not describe the logs held out, so that they cannot validate the other results; \
@@ -94,7 +94,7 @@ pub fn at_limit(axis: &str, unit: Unit, limit: &ParameterAtLimit) -> String {
 /// States that the final model leaves a larger residual on the validation logs than the declared one; `None` if it does
 /// not.
 #[must_use]
-pub fn worse(axis: &AxisTrace, error: &StageError) -> Option<String> {
+pub fn worse(axis: &AxisTrace, error: &StageResidual) -> Option<String> {
     /// Smallest ratio that is reported. Smaller ones may be chance.
     const MIN_RATIO: f64 = 1.1;
     let (before, after) = (error.before.validate, error.after.validate);

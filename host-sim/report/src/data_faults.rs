@@ -3,7 +3,7 @@
 use files::format::significant;
 use files::log::{Channel, Unit};
 use pages::file_name;
-use trace::data_faults::{DataFault, FaultKind, Treatment};
+use trace::data_faults::{DataFault, FaultKind, FaultHandling};
 use trace::outcome::AxisTrace;
 
 /// One sentence for each fault of an axis; a fault of the same kind and size in several logs is stated once.
@@ -68,9 +68,9 @@ fn description(fault: &DataFault, unit: Unit) -> String {
         FaultKind::Dead => (format!("the {what} does not change while the axis moves"), "it is not used"),
     };
     let treatment = match fault.treatment {
-        Treatment::Corrected => correction,
-        Treatment::Removed => "it is not used, and no effect is searched in the stages that need it",
-        Treatment::LogLeftOut => "the log is not used",
+        FaultHandling::Corrected => correction,
+        FaultHandling::Removed => "it is not used, and no effect is searched in the stages that need it",
+        FaultHandling::LogLeftOut => "the log is not used",
     };
     format!("{is}; {treatment}")
 }
@@ -117,7 +117,7 @@ fn hum(fault: &DataFault, unit: Unit) -> String {
 mod tests {
     use super::*;
 
-    fn fault(kind: FaultKind, size: Option<f64>, treatment: Treatment) -> DataFault {
+    fn fault(kind: FaultKind, size: Option<f64>, treatment: FaultHandling) -> DataFault {
         DataFault {
             axis: "x".to_owned(),
             channel: Some(Channel::Table),
@@ -133,28 +133,28 @@ mod tests {
 
     #[test]
     fn a_fault_is_described_with_size_time_and_treatment() {
-        let text = description(&fault(FaultKind::Slip, Some(-7.98), Treatment::Corrected), Unit::Millimetre);
+        let text = description(&fault(FaultKind::Slip, Some(-7.98), FaultHandling::Corrected), Unit::Millimetre);
         assert_eq!(
             text,
             "the table reading slips by −7.98 µm at 16.846 s; the step is removed and both sides are used"
         );
-        let text = description(&fault(FaultKind::Unit, Some(1.6), Treatment::Removed), Unit::Millimetre);
+        let text = description(&fault(FaultKind::Unit, Some(1.6), FaultHandling::Removed), Unit::Millimetre);
         assert_eq!(
             text,
             "the table is 1.600 times what the other channels show: its unit or a factor is wrong; it is not used, and no \
              effect is searched in the stages that need it"
         );
-        let twice = DataFault { count: 2, ..fault(FaultKind::Spike, Some(20.0), Treatment::Corrected) };
+        let twice = DataFault { count: 2, ..fault(FaultKind::Spike, Some(20.0), FaultHandling::Corrected) };
         let hum = DataFault {
             frequency_hz: Some(50.02),
             at_s: None,
-            ..fault(FaultKind::Hum, Some(0.06), Treatment::Corrected)
+            ..fault(FaultKind::Hum, Some(0.06), FaultHandling::Corrected)
         };
         assert_eq!(
             description(&hum, Unit::Millimetre),
             "the table reading has a hum of 0.0600 µm at 50.02 Hz; it is subtracted"
         );
-        let stuck = DataFault { count: 90, ..fault(FaultKind::Stuck, Some(0.095), Treatment::Corrected) };
+        let stuck = DataFault { count: 90, ..fault(FaultKind::Stuck, Some(0.095), FaultHandling::Corrected) };
         assert_eq!(
             description(&DataFault { channel: None, ..stuck }, Unit::Millimetre),
             "rows were lost and the rows before them repeated in 90 places, 0.0950 s in total, first at 16.846 s; they are left out"

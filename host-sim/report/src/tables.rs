@@ -6,7 +6,7 @@ use contour::log_error::LogError;
 use files::format::{fixed, signed};
 use model::effects::Effect;
 use pages::markup::{Column, note, number_cell, paragraph, table, text};
-use trace::outcome::{AxisTrace, StageError};
+use trace::outcome::{AxisTrace, StageResidual};
 use trace::stages::{residual_unit, stage_names};
 use trace::validation::found_effect::FoundEffect;
 
@@ -47,13 +47,13 @@ pub fn errors(axes: &[AxisTrace]) -> Markup {
     }
 }
 
-fn in_order_of_stages(axis: &AxisTrace) -> Vec<&StageError> {
-    let mut errors: Vec<&StageError> = axis.errors.iter().collect();
+fn in_order_of_stages(axis: &AxisTrace) -> Vec<&StageResidual> {
+    let mut errors: Vec<&StageResidual> = axis.errors.iter().collect();
     errors.sort_by_key(|error| error.stage);
     errors
 }
 
-fn error_row(axis: &AxisTrace, error: &StageError) -> Markup {
+fn error_row(axis: &AxisTrace, error: &StageResidual) -> Markup {
     let (name, unit) = (stage_names(&[error.stage]), residual_unit(axis.unit, error.stage).0);
     let (before, after) = (&error.before, &error.after);
     html! {

@@ -14,7 +14,7 @@ use pages::file_name;
 use pages::markup::{list, note, paragraph, section, text};
 use trace::Trace;
 use trace::input::signals::Signals;
-use trace::outcome::{AxisTrace, StageError};
+use trace::outcome::{AxisTrace, StageResidual};
 use trace::stages::stage_names;
 
 /// Additional content of a page.
@@ -118,7 +118,7 @@ fn unexplained(axes: &[AxisTrace], notes: &[String]) -> Markup {
 fn explained_stages(axis: &AxisTrace) -> Vec<String> {
     /// Largest residual that counts as noise, in multiples of the noise's rms.
     const MAX_NOISE_MULTIPLE: f64 = 1.5;
-    let is_explained = |error: &&StageError| {
+    let is_explained = |error: &&StageResidual| {
         let is_noise = error.after.validate <= MAX_NOISE_MULTIPLE * error.noise;
         is_noise && !axis.unexplained.iter().any(|entry| entry.channel == error.stage)
     };

@@ -83,7 +83,7 @@ fn compensated(demo: &Demo) -> String {
     format!(
         "Compensated by the traced model, the contour error at the tool changed from {before:.2} to {after:.2} µm rms \
          ({predicted:.2} µm were predicted); the controller ran {}.",
-        demo.place.words()
+        demo.controller_host.words()
     )
 }
 

@@ -7,7 +7,7 @@ use anyhow::{Error, Result};
 use super::margins::LimitArguments;
 use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
-use compensate::place::Place;
+use compensate::controller_host::ControllerHost;
 use compensate::prediction::TestMotion;
 use compensate::round_trip::SimulatedMachine;
 use files::error::InputError;
@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let real = SimulatedMachine {
         machine: &plant,
         instruments: Instruments::of(&plant, arguments.seed),
-        place: if arguments.emulated { Place::EmulatedCore } else { Place::Host },
+        controller_host: if arguments.emulated { ControllerHost::EmulatedCore } else { ControllerHost::Host },
     };
     let improving = Improving { declared: &declared, real, fit: &fit, judged: &judged, limits };
     let progress = Progress::start();

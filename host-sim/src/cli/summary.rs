@@ -2,7 +2,7 @@
 
 use report::{ranking, sentences};
 use trace::Trace;
-use trace::outcome::{AxisTrace, StageError};
+use trace::outcome::{AxisTrace, StageResidual};
 use trace::stages::{residual_unit, stage_names};
 
 /// Summary of a trace.
@@ -68,7 +68,7 @@ pub fn of_tables(trace: &Trace) -> String {
     format!("\n\n{}", lines.join("\n"))
 }
 
-fn row(axis: &AxisTrace, error: &StageError) -> String {
+fn row(axis: &AxisTrace, error: &StageResidual) -> String {
     let (unit, _) = residual_unit(axis.unit, error.stage);
     let (before, after) = (error.before, error.after);
     let figures = [before.fit, before.validate, after.fit, after.validate, error.noise];

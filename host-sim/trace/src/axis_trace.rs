@@ -17,7 +17,7 @@ use crate::fit::scope_fit::{Progress, ScopeFit, fit_again, fit_jointly};
 use crate::fit::testable_scopes::scopes;
 use crate::fit::total_mass;
 use crate::not_testable::{EffectNotTestable, effects_not_testable};
-use crate::outcome::{AxisTrace, StageError};
+use crate::outcome::{AxisTrace, StageResidual};
 use crate::search::ambiguity::Ambiguity;
 use crate::search::assumption::{self, Searched};
 use crate::search::effect_search::EffectSearch;
@@ -59,7 +59,7 @@ pub fn trace(
     let stage = Tracing { fit_data, ..stage };
     // 6: the declared model, fitted in the same way.
     let before =
-        if model.found().is_empty() { model.clone() } else { stage.fit_alike(&before, declared_fits, &fits) };
+        if model.found().is_empty() { model.clone() } else { stage.refit_baseline(&before, declared_fits, &fits) };
     // What the validation logs refute.
     let stages: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
     let axis = drift_rate::with_rates(fit_data, FittedAxis { declared: before.clone(), model, fits });
@@ -72,7 +72,7 @@ pub fn trace(
     let evidence =
         Evidence { models: [&before, &axis.model], values: &declared_values, refused: refused.len() };
     let is_of_another_machine = is_of_another_machine(fit_data, evidence, &scopes);
-    let kept = stage.kept_if_nothing_new(&written, axis.model);
+    let kept = stage.previous_fit_if_nothing_new(&written, axis.model);
     let model = if is_of_another_machine { before.clone() } else { kept };
     found.retain(|_| !is_of_another_machine);
     let before = stage.shown_before(task, declared, [before, model.clone()]);
@@ -147,7 +147,7 @@ impl Tracing<'_> {
 
     /// The model of the machine file, if an earlier trace wrote it and no effect was confirmed: effects that were tried and
     /// refuted leave the other values slightly different.
-    fn kept_if_nothing_new(&self, written: &AxisModel, model: AxisModel) -> AxisModel {
+    fn previous_fit_if_nothing_new(&self, written: &AxisModel, model: AxisModel) -> AxisModel {
         if !model.found().is_empty() {
             return model;
         }
@@ -239,7 +239,7 @@ impl Tracing<'_> {
     }
 
     /// Fits the declared model with the same exclusions and the same error subtracted as the model with effects.
-    fn fit_alike(&self, declared: &AxisModel, fits: Vec<Fitted>, with_effects: &[ScopeFit]) -> AxisModel {
+    fn refit_baseline(&self, declared: &AxisModel, fits: Vec<Fitted>, with_effects: &[ScopeFit]) -> AxisModel {
         let alike = |(fitted, other): (Fitted, &ScopeFit)| {
             let (scope, exclusions) = (other.scope.clone(), other.exclusions.clone());
             ScopeFit { fitted_scope: scope.clone(), scope, fitted, exclusions }
@@ -252,7 +252,7 @@ impl Tracing<'_> {
 /// Residuals after the fit, and their analysis.
 #[derive(Default)]
 struct Remainder {
-    errors: Vec<StageError>,
+    errors: Vec<StageResidual>,
     unexplained: Vec<UnexplainedResidual>,
     repeats: Vec<Repeatability>,
     tables: Vec<Empirical>,
@@ -281,7 +281,7 @@ fn remainder(
                 fit: fit_data.rms(fitted, stage),
                 validate: validate.rms(held_out, stage),
             };
-            remainder.errors.push(StageError {
+            remainder.errors.push(StageResidual {
                 stage,
                 before: pair(&fit_before, &held_out_before),
                 after: pair(&fit_after, &held_out_after),

@@ -6,7 +6,7 @@
 
 use crate::analysis::variable::Variable;
 use crate::options::VerdictOptions;
-use crate::outcome::{AxisTrace, StageError, Trace};
+use crate::outcome::{AxisTrace, StageResidual, Trace};
 use crate::validation::common_noise;
 use crate::validation::declared_value;
 use crate::validation::found_effect::{FoundEffect, Remaining};
@@ -46,8 +46,8 @@ fn has_common_noise(axis: &AxisTrace) -> bool {
 
 /// Whether instants that jitter may explain an effect: what is found in the stages of force and motor, which are no differences of
 /// readings, and what is smaller than the common noise.
-fn is_within_jitter(found: &FoundEffect, errors: &[StageError]) -> bool {
-    let is_within = |error: &StageError| error.stage == found.stage && found.before.fit < error.noise;
+fn is_within_jitter(found: &FoundEffect, errors: &[StageResidual]) -> bool {
+    let is_within = |error: &StageResidual| error.stage == found.stage && found.before.fit < error.noise;
     matches!(found.stage, Stage::Force | Stage::Motor) || errors.iter().any(is_within)
 }
 
@@ -104,7 +104,7 @@ fn follows_scale(axis: &AxisTrace, options: &VerdictOptions) -> bool {
         .unexplained
         .iter()
         .any(|residual| residual.channel == Stage::Tool && residual.variable == Variable::Position);
-    let is_left = |tool: &StageError| ratio_to_noise(tool, options) >= options.max_certain_ratio;
+    let is_left = |tool: &StageResidual| ratio_to_noise(tool, options) >= options.max_certain_ratio;
     axis.error(Stage::Tool).is_some_and(|tool| !(is_left(tool) && depends_on_position))
 }
 
@@ -138,6 +138,6 @@ fn is_shown(found: &FoundEffect, stage: Stage) -> bool {
 
 /// What remains in a stage of the fitted logs, without the vibrations and local defects that are reported apart, as a multiple of
 /// the noise.
-fn ratio_to_noise(error: &StageError, options: &VerdictOptions) -> f64 {
+fn ratio_to_noise(error: &StageResidual, options: &VerdictOptions) -> f64 {
     error.beside_exclusions.fit / error.noise.max(options.min_noise)
 }

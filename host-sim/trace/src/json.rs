@@ -10,7 +10,7 @@ use crate::data_faults::DataFault;
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::NotTestable;
 use crate::not_testable::EffectNotTestable;
-use crate::outcome::{AxisTrace, StageError, Trace};
+use crate::outcome::{AxisTrace, StageResidual, Trace};
 use crate::search::ambiguity::Ambiguity;
 use crate::stages::residual_unit;
 use crate::validation::declared_value::{self, DeclaredValue};
@@ -142,7 +142,7 @@ fn refused(axis: &AxisTrace, limit: &ParameterAtLimit) -> Value {
     entry
 }
 
-fn residual(axis: &AxisTrace, error: &StageError) -> Value {
+fn residual(axis: &AxisTrace, error: &StageResidual) -> Value {
     let (_, unit) = residual_unit(axis.unit, error.stage);
     let mut entry = Map::new();
     entry.insert("channel".to_owned(), json!(error.stage));

@@ -5,7 +5,7 @@ use crate::analysis::free_run::FreeRun;
 use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
 use crate::data_faults::late_command::{self, Late};
-use crate::data_faults::{DataFault, Treatment};
+use crate::data_faults::{DataFault, FaultHandling};
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
 use crate::fit::fitted_scope::FittedScope;
@@ -87,7 +87,7 @@ pub struct AxisTrace {
     /// Slopes of the tool over the tables, whether or not an effect was found.
     pub tool_slopes: ToolSlopes,
     /// Errors by stage.
-    pub errors: Vec<StageError>,
+    pub errors: Vec<StageResidual>,
     /// Error of the tracer's own simulation on the validation logs.
     pub bias: Vec<ResidualSeries>,
     /// Residuals above the noise.
@@ -106,7 +106,7 @@ pub struct AxisTrace {
 
 /// The error of one stage, µm or N.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StageError {
+pub struct StageResidual {
     /// Stage.
     pub stage: Stage,
     /// Residual of the declared model, fitted within its tolerance.
@@ -124,7 +124,7 @@ pub struct StageError {
 impl AxisTrace {
     /// The error of a stage, if it was evaluated.
     #[must_use]
-    pub fn error(&self, stage: Stage) -> Option<&StageError> {
+    pub fn error(&self, stage: Stage) -> Option<&StageResidual> {
         self.errors.iter().find(|error| error.stage == stage)
     }
 }
@@ -197,7 +197,7 @@ impl Trace {
     pub(crate) fn assign(&mut self, faults: Vec<DataFault>) {
         for fault in faults {
             let Some(axis) = self.axes.iter_mut().find(|axis| axis.axis == fault.axis) else { continue };
-            if let (Treatment::Removed, Some(channel)) = (fault.treatment, fault.channel) {
+            if let (FaultHandling::Removed, Some(channel)) = (fault.treatment, fault.channel) {
                 let missing = format!("a {} channel", channel.word());
                 let stated = format!("{missing} without the fault \"{}\"", fault.kind.name());
                 let stages = axis.not_testable.iter_mut().map(|stage| &mut stage.needs);

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use crate::data_faults::Treatment;
-use crate::outcome::{AxisTrace, StageError, Trace};
+use crate::data_faults::FaultHandling;
+use crate::outcome::{AxisTrace, StageResidual, Trace};
 
 /// Agreement of model and logs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -33,7 +33,7 @@ pub fn of_axis(axis: &AxisTrace) -> Verdict {
         Verdict::ModelDoesNotFit
     } else if !axis.unexplained.is_empty()
         || axis.errors.iter().any(is_gross_held_out)
-        || axis.data_faults.iter().any(|fault| fault.treatment == Treatment::Removed)
+        || axis.data_faults.iter().any(|fault| fault.treatment == FaultHandling::Removed)
     {
         Verdict::Unexplained
     } else {
@@ -43,14 +43,14 @@ pub fn of_axis(axis: &AxisTrace) -> Verdict {
 
 /// Whether the model does not describe a stage of the fitted logs.
 #[must_use]
-pub fn is_gross(error: &StageError) -> bool {
+pub fn is_gross(error: &StageResidual) -> bool {
     error.beside_exclusions.fit > error.max_described
 }
 
 /// Whether the model does not describe a stage of the validation logs. As their motion may differ from that of the fitted
 /// logs, this does not show that the model describes another machine.
 #[must_use]
-pub fn is_gross_held_out(error: &StageError) -> bool {
+pub fn is_gross_held_out(error: &StageResidual) -> bool {
     error.beside_exclusions.validate > error.max_described
 }
 
@@ -61,10 +61,10 @@ mod tests {
     use crate::options::VerdictOptions;
     use model::effects::Stage;
 
-    fn error(fit: f64, validate: f64, noise: f64) -> StageError {
+    fn error(fit: f64, validate: f64, noise: f64) -> StageResidual {
         let [before, after] = [FitAndValidationRms { fit, validate }; 2];
         let max_described = VerdictOptions::default().max_described(noise);
-        StageError { stage: Stage::Table, before, after, beside_exclusions: after, noise, max_described }
+        StageResidual { stage: Stage::Table, before, after, beside_exclusions: after, noise, max_described }
     }
 
     #[test]

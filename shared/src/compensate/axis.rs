@@ -11,15 +11,15 @@ use super::motion::CommandMotion;
 use super::pitch::Pitch;
 use super::reversal::Reversal;
 use super::slew::Slew;
-use super::slow::{Inputs, SlowList};
-use super::state::{Correction, SlowTerms, State};
+use super::round_robin::{Inputs, RoundRobinList};
+use super::state::{Correction, RoundRobinTerms, State};
 use super::table::Table;
 use super::talk::Talk;
 use crate::scalar::{Fixed, Scalar};
 use crate::units::Position;
 
 /// The compensations of one axis.
-// In this order: one instruction reaches the first 4 KiB, and the tables of the slow terms are read in turn.
+// In this order: one instruction reaches the first 4 KiB, and the tables of the round-robin terms are read in turn.
 #[repr(C)]
 // Its copy needs no stack.
 #[derive(Clone, Copy, Debug)]
@@ -33,8 +33,8 @@ pub struct AxisCompensation<S: Scalar> {
     /// The axes that the cross-talk and the squareness come from.
     pub(super) crosstalk_source: u8,
     pub(super) squareness_source: u8,
-    /// The slow terms that there are.
-    pub(super) slow: SlowList,
+    /// The round-robin terms that there are.
+    pub(super) round_robin: RoundRobinList,
     pub(super) reversal: Option<Reversal<S>>,
     pub(super) dividing: Cycles<S>,
     pub(super) ripple: Cycles<S>,
@@ -62,7 +62,7 @@ impl<S: Scalar> AxisCompensation<S> {
         force: Slew::ZERO,
         crosstalk_source: 0,
         squareness_source: 0,
-        slow: SlowList::EMPTY,
+        round_robin: RoundRobinList::EMPTY,
         reversal: None,
         dividing: Cycles::NONE,
         ripple: Cycles::NONE,
@@ -120,11 +120,11 @@ impl<S: Scalar> AxisCompensation<S> {
         state.active = active;
     }
 
-    /// Evaluates all slow terms, and starts the force model with the present motion: for a compensation that has just been
+    /// Evaluates all round-robin terms, and starts the force model with the present motion: for a compensation that has just been
     /// set. Not part of a tick.
     pub(super) fn start<const N: usize>(&self, state: &mut State<S>, axis: usize, inputs: &Inputs<S, N>) {
-        (state.slow, state.set_at) = (SlowTerms::NONE, inputs.clock);
-        for term in self.slow.iter() {
+        (state.round_robin, state.set_at) = (RoundRobinTerms::NONE, inputs.clock);
+        for term in self.round_robin.iter() {
             self.evaluate(term, state, axis, inputs);
         }
         if let (Some(model), Some(own)) = (&self.model, inputs.motions.get(axis)) {
@@ -145,13 +145,13 @@ impl<S: Scalar> AxisCompensation<S> {
             |axis: u8| motions.get(usize::from(axis)).map_or(S::ZERO, |motion| motion.acceleration);
         self.forces_of_motion(state, own);
         let screw = self.screw_correction(state, own);
-        let slow = &state.slow;
+        let round_robin = &state.round_robin;
         let mut sum =
-            own.acceleration * slow.intalk + acceleration_of(self.crosstalk_source) * slow.crosstalk;
+            own.acceleration * round_robin.intalk + acceleration_of(self.crosstalk_source) * round_robin.crosstalk;
         if let Some(other) = motions.get(usize::from(self.squareness_source)) {
             sum += S::from_position(other.position) * state.active.squareness;
         }
-        let tool = slow.tool + S::round(sum);
+        let tool = round_robin.tool + S::round(sum);
         self.command.step(&mut state.screw, screw);
         self.command.step(&mut state.command, screw + tool);
         state.correction()
@@ -162,7 +162,7 @@ impl<S: Scalar> AxisCompensation<S> {
     fn screw_correction(&self, state: &State<S>, own: &CommandMotion<S>) -> S {
         let active = &state.active;
         let backlash = if own.forward { active.half_backlash } else { -active.half_backlash };
-        let mut screw = state.slow.screw_pitch + backlash;
+        let mut screw = state.round_robin.screw_pitch + backlash;
         if active.has_model() {
             screw = screw + S::round(S::from_fixed(state.model.on_table) * active.stretch);
         }
@@ -183,7 +183,7 @@ impl<S: Scalar> AxisCompensation<S> {
         if state.active.has_model()
             && let Some(model) = &self.model
         {
-            let (load, friction) = (state.slow.load, state.slow.friction);
+            let (load, friction) = (state.round_robin.load, state.round_robin.friction);
             model.update(&mut state.model, own.position, Surroundings { load, friction });
         }
     }

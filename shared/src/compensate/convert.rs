@@ -11,7 +11,7 @@ use super::pitch::Pitch;
 use super::reversal::Reversal;
 use super::settings::CompensationSettings;
 use super::slew::Slew;
-use super::slow::SlowTerm;
+use super::round_robin::RoundRobinTerm;
 use super::table::{Table, ValueRange};
 use super::talk::Talk;
 use crate::config::check::{gain, positive, ranged};
@@ -204,16 +204,16 @@ impl<S: Scalar> AxisCompensation<S> {
     fn list_slow_terms(&mut self) {
         let warms_up = self.model.as_ref().is_some_and(Force::warms_up);
         let present = [
-            (SlowTerm::Pitch, self.pitch.is_some()),
-            (SlowTerm::Straightness, self.straightness.is_some()),
-            (SlowTerm::Intalk, self.intalk.is_some()),
-            (SlowTerm::Crosstalk, self.crosstalk.is_some()),
-            (SlowTerm::Drift, self.drift.is_some()),
-            (SlowTerm::Load, self.load.is_some()),
-            (SlowTerm::AdditionalFriction, self.friction_map.is_some() || warms_up),
+            (RoundRobinTerm::Pitch, self.pitch.is_some()),
+            (RoundRobinTerm::Straightness, self.straightness.is_some()),
+            (RoundRobinTerm::Intalk, self.intalk.is_some()),
+            (RoundRobinTerm::Crosstalk, self.crosstalk.is_some()),
+            (RoundRobinTerm::Drift, self.drift.is_some()),
+            (RoundRobinTerm::Load, self.load.is_some()),
+            (RoundRobinTerm::AdditionalFriction, self.friction_map.is_some() || warms_up),
         ];
         for (term, _) in present.into_iter().filter(|(_, is)| *is) {
-            self.slow.push(term);
+            self.round_robin.push(term);
         }
     }
 }

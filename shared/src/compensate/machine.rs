@@ -3,14 +3,14 @@
 use super::axis::AxisCompensation;
 use super::kind::CompensationKind;
 use super::motion::CommandMotion;
-use super::slow::{Inputs, Schedule};
+use super::round_robin::{Inputs, Schedule};
 use super::state::{Correction, State};
 use crate::feedback::Reading;
 use crate::one_after_the_other;
 use crate::scalar::Scalar;
 use crate::units::Position;
 
-/// Ticks for which slow terms may wait: two are at the end of a segment of a speed ramp, four if a short segment follows.
+/// Ticks for which round-robin terms may wait: two are at the end of a segment of a speed ramp, four if a short segment follows.
 pub const MAX_WAIT: u8 = 4;
 
 /// The compensations of all axes, with their state.
@@ -20,7 +20,7 @@ pub const MAX_WAIT: u8 = 4;
 pub struct Compensation<S: Scalar, const N: usize> {
     inputs: Inputs<S, N>,
     states: [State<S>; N],
-    /// Ticks for which the slow terms have waited.
+    /// Ticks for which the round-robin terms have waited.
     waited: u8,
     /// Whether a compensation has been set, for each axis.
     is_set: [bool; N],
@@ -68,7 +68,7 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         self.schedule = Schedule::EMPTY;
         for ((axis, compensation), is_set) in (0..).zip(&self.axes).zip(&self.is_set) {
             if *is_set {
-                self.schedule.add(axis, compensation.slow);
+                self.schedule.add(axis, compensation.round_robin);
             }
         }
     }
@@ -137,7 +137,7 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
     }
 
     /// Updates the motion of the commands, once per command, also without a compensation, so that one that is set during
-    /// motion starts from the motion of the axes. If this tick takes longer than others, slow terms wait, for up to
+    /// motion starts from the motion of the axes. If this tick takes longer than others, round-robin terms wait, for up to
     /// [`MAX_WAIT`] ticks.
     pub fn advance(&mut self, commands: &[Position; N], is_long_tick: bool) {
         for (motion, command) in self.inputs.motions.iter_mut().zip(commands) {

@@ -36,7 +36,7 @@ pub struct State<S: Scalar> {
     pub(super) pulse_force: S,
     /// Force feed-forward.
     pub(super) model: force::State,
-    pub(super) slow: SlowTerms<S>,
+    pub(super) round_robin: RoundRobinTerms<S>,
     /// Ticks of the machine when the compensation was set.
     pub(super) set_at: u64,
     pub(super) active: Active<S>,
@@ -46,7 +46,7 @@ pub struct State<S: Scalar> {
 
 /// Terms that change slowly: one of them is evaluated with each command, in turn.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SlowTerms<S: Scalar> {
+pub(super) struct RoundRobinTerms<S: Scalar> {
     pub screw_pitch: S,
     pub scale_pitch: S,
     pub straightness: S,
@@ -59,7 +59,7 @@ pub(super) struct SlowTerms<S: Scalar> {
     pub friction: Fixed,
 }
 
-impl<S: Scalar> SlowTerms<S> {
+impl<S: Scalar> RoundRobinTerms<S> {
     /// All zero.
     pub const NONE: Self = Self {
         screw_pitch: S::ZERO,
@@ -74,7 +74,7 @@ impl<S: Scalar> SlowTerms<S> {
     };
 }
 
-impl<S: Scalar> SlowTerms<S> {
+impl<S: Scalar> RoundRobinTerms<S> {
     /// To be called when one of the terms of the sum has changed.
     pub fn add_up(&mut self) {
         self.tool = self.scale_pitch + self.straightness + self.drift;
@@ -91,7 +91,7 @@ impl<S: Scalar> State<S> {
         pulse: S::ZERO,
         pulse_force: S::ZERO,
         model: force::State::NEW,
-        slow: SlowTerms::NONE,
+        round_robin: RoundRobinTerms::NONE,
         set_at: 0,
         active: Active::NONE,
         off: 0,

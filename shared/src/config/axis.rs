@@ -9,7 +9,7 @@ use crate::control::hpc::Hpc;
 use crate::control::position::PositionControl;
 use crate::control::velocity::VelocityControl;
 use crate::feedback::dual::Feedback;
-use crate::feedback::fade::Fade;
+use crate::feedback::exponential_decay::ExponentialDecay;
 use crate::monitor::{Apart, Band, FrozenEncoder, Monitor};
 use crate::scalar::Scalar;
 use crate::units::{INCREMENT_M, LENGTH_M, PER_M, Position, TRAVEL_LIMIT_M, VELOCITY_M_PER_S};
@@ -157,7 +157,7 @@ fn velocity_control<S: Scalar>(
 
 fn feedback<S: Scalar>(settings: &AxisSettings, rates: &LoopRates) -> Result<Feedback<S>, ConfigError> {
     let fade_time = positive("scale_fade_time_s", settings.scale_fade_time_s)?;
-    let fade = Fade::new(fade_time * rates.position_rate);
+    let fade = ExponentialDecay::new(fade_time * rates.position_rate);
     Ok(match settings.sensors {
         Sensors::Motor { .. } => Feedback::Motor,
         Sensors::Table(_) => Feedback::Table { fade },

@@ -18,7 +18,7 @@ use crate::units::Position;
 
 /// A direction check with the force of its axis.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FirstMotion<S, const N: usize> {
+pub(super) struct DirectionCheckRun<S, const N: usize> {
     pub check: DirectionCheck<N>,
     pub force: S,
 }
@@ -31,7 +31,7 @@ pub struct DriveSystem<'m, S: Scalar, const N: usize, O = Amplifier<S>> {
     switch: EnableSwitch,
     light: StatusLight,
     /// The direction check that runs or that ran last.
-    pub(super) first_motion: Option<FirstMotion<S, N>>,
+    pub(super) direction_check_run: Option<DirectionCheckRun<S, N>>,
     enabling: Enabling,
     supply_limits: SupplyLimits,
     limit_guard: LimitGuard<N>,
@@ -72,7 +72,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
             limit_guard: LimitGuard::new(),
             origins: [OriginShift { motor: 0, table: 0 }; N],
             homing: None,
-            first_motion: None,
+            direction_check_run: None,
             inputs: Inputs::NONE,
             readings: [Reading { motor: Position(0), table: None }; N],
             enabling: Enabling::BySwitch,

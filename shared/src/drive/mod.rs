@@ -11,7 +11,7 @@ pub mod direction_check;
 pub mod drive_system;
 pub mod enable_switch;
 pub mod enabling;
-mod first_motion;
+mod direction_check_tick;
 mod homing;
 pub mod inputs;
 pub mod limit_guard;

@@ -63,7 +63,7 @@
 //!
 //! Without a reading of the table the shift is held: the loop is semi-closed from that tick on, and the feedback follows
 //! the motor. When the scale returns, its difference from the feedback is subtracted from the reading as an offset that
-//! fades out with a time constant of its own ([`super::fade`]), the same in every number format; after that the
+//! fades out with a time constant of its own ([`super::exponential_decay`]), the same in every number format; after that the
 //! reading is used as it is. [`Feedback::scale_status`] reports the phase.
 //!
 //! # Example
@@ -89,7 +89,7 @@
 //! assert!((feedback.to_m() - exact).abs() < 1e-12);
 //! ```
 
-use super::fade::Fade;
+use super::exponential_decay::ExponentialDecay;
 use crate::scalar::Scalar;
 use crate::units::Position;
 
@@ -101,14 +101,14 @@ pub enum Feedback<S: Scalar> {
     /// Linear scale alone (full-closed loop).
     Table {
         /// Fade-out of the offset of a scale that has returned.
-        fade: Fade,
+        fade: ExponentialDecay,
     },
     /// Both.
     Dual {
         /// Fraction of the difference that is corrected per position tick, 1 − e^(−tick·K').
         fraction: S::Gain,
         /// Fade-out of the offset of a scale that has returned.
-        fade: Fade,
+        fade: ExponentialDecay,
     },
 }
 
@@ -242,8 +242,8 @@ mod tests {
 
     const TICK: f64 = 1.0 / 20_000.0;
 
-    fn fade() -> Fade {
-        Fade::new(0.1 / TICK)
+    fn fade() -> ExponentialDecay {
+        ExponentialDecay::new(0.1 / TICK)
     }
 
     fn dual<S: Scalar>(time_constant: f64) -> Feedback<S> {

@@ -9,12 +9,12 @@
 //! | [`encoder`] | a 16-bit quadrature counter | a position |
 //! | [`dual`] | motor and table positions | the feedback of the position loop |
 //! | [`ScaleSignal`] | whether the scale has a signal | whether it can be read |
-//! | [`fade`] | the offset of a scale that has returned | the same, decaying to zero |
+//! | [`exponential_decay`] | the offset of a scale that has returned | the same, decaying to zero |
 
 pub mod counter;
 pub mod dual;
 pub mod encoder;
-pub mod fade;
+pub mod exponential_decay;
 pub mod phase;
 mod reading;
 pub mod resolver;

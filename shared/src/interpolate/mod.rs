@@ -3,7 +3,7 @@
 //! | step | module | computes |
 //! |---|---|---|
 //! | 1 | [`block`] | what a program gives: a line, an arc or a dwell, with feed, acceleration, ramps and joint |
-//! | 2 | [`mod@line`], [`arc`] | axis positions over path length; [`turn`] is the sine and cosine of an arc |
+//! | 2 | [`mod@line`], [`arc`] | axis positions over path length; [`sincos`] is the sine and cosine of an arc |
 //! | 3 | [`limits`] | speed, acceleration and jerk of the block per tick, lowered on an arc |
 //! | 4 | [`joint`] | how fast the path may pass from one block to the next |
 //! | 5 | [`ramp`], [`profile`], [`exponential`] | path length over time, with limited jerk or as a first-order lag |
@@ -47,7 +47,7 @@ pub mod planned;
 pub mod profile;
 pub mod ramp;
 pub mod smooth;
-pub mod turn;
+pub mod sincos;
 
 pub use block::{Block, Joint, Ramps};
 pub use error::{Field, PathError};

@@ -131,7 +131,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         state.compensation.correct(&mut corrected);
         let readings = &corrected;
         if !state.power.is_on() {
-            self.come_on(state, readings);
+            self.tick_disabled(state, readings);
         }
         state.enable_requested = false;
         let mut forces = [S::ZERO; N];
@@ -154,7 +154,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     /// The tick of a machine that is off, before the loops: the commands follow the axes; an enable that is requested is done.
     #[cold]
     #[inline(never)]
-    fn come_on(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
+    fn tick_disabled(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
         if state.was_on || state.path.is_done() {
             self.hold_axes(state, readings);
         }

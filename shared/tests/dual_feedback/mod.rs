@@ -10,7 +10,7 @@
 use std::f64::consts::{SQRT_2, TAU};
 
 use shared::feedback::dual::{Feedback, State};
-use shared::feedback::fade::Fade;
+use shared::feedback::exponential_decay::ExponentialDecay;
 use shared::feedback::phase::Phase;
 use shared::feedback::transducer::Transducer;
 use shared::scalar::{Fixed, Scalar};
@@ -55,7 +55,7 @@ struct Positions<S: Scalar> {
 impl<S: Scalar> Resolver for Positions<S> {
     fn new(tick_s: f64, shift_time_s: f64) -> Self {
         let feedback =
-            Feedback::Dual { fraction: S::gain(fraction(tick_s, shift_time_s)), fade: Fade::new(2000.0) };
+            Feedback::Dual { fraction: S::gain(fraction(tick_s, shift_time_s)), fade: ExponentialDecay::new(2000.0) };
         Self { feedback, state: State::default() }
     }
 

@@ -5,7 +5,7 @@ use files::log::{Channel, Log};
 use model::effects::Stage;
 use model::machine::Machine;
 use model::residual_table::{ResidualTable, TableChannel, TableVariable};
-use trace::outcome::{StageError, Trace};
+use trace::outcome::{StageResidual, Trace};
 use trace::{Request, Task, requested};
 
 /// Height (µm) and standard deviation (mm) of the hump.
@@ -30,7 +30,7 @@ fn machine() -> Machine {
     machine
 }
 
-fn of_tool(trace: &Trace) -> StageError {
+fn of_tool(trace: &Trace) -> StageResidual {
     *trace.axes[0].errors.iter().find(|error| error.stage == Stage::Tool).unwrap()
 }
 

@@ -9,7 +9,7 @@ use model::machine::Machine;
 use tests::cases;
 use tests::data::data_folder;
 use trace::fit::fit_data::FitAndValidationRms;
-use trace::outcome::StageError;
+use trace::outcome::StageResidual;
 use trace::{Trace, trace};
 
 /// Relative tolerance of a residual: fits end when a step reduces Σr² by less than 1e-4, and the bias of the model is
@@ -17,9 +17,9 @@ use trace::{Trace, trace};
 const TOLERANCE: f64 = 0.02;
 
 /// All residuals of a trace, by name.
-fn residuals(trace: &Trace, of: fn(&StageError) -> FitAndValidationRms) -> Vec<(String, f64)> {
+fn residuals(trace: &Trace, of: fn(&StageResidual) -> FitAndValidationRms) -> Vec<(String, f64)> {
     let of_axis = |axis: &trace::outcome::AxisTrace| {
-        let of_stage = |error: &StageError| {
+        let of_stage = |error: &StageResidual| {
             let FitAndValidationRms { fit, validate } = of(error);
             [("fit", fit), ("validate", validate)]
                 .map(|(logs, value)| (format!("{} {:?} {logs}", axis.axis, error.stage), value))

@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 
 use super::channels::{SENSORS, references};
-use super::fault::{FaultKind, Treatment};
-use super::findings::{Findings, Place};
+use super::fault::{FaultKind, FaultHandling};
+use super::findings::{Findings, ChannelLocation};
 use super::ratio::ratio;
 use crate::options::TraceOptions;
 use files::log::{AxisLog, Channel, Log};
@@ -64,8 +64,8 @@ pub fn remove(log: &mut Cow<'_, Log>, options: &TraceOptions, findings: &mut Fin
         return;
     }
     for &(axis, channel) in &dead {
-        let place = Place { log, axis, channel };
-        findings.faults.push(place.fault(FaultKind::Dead, None, Treatment::Removed));
+        let place = ChannelLocation { log, axis, channel };
+        findings.faults.push(place.fault(FaultKind::Dead, None, FaultHandling::Removed));
         *log.to_mut().axes[axis].channel_mut(channel) = None;
     }
 }

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use super::fault::{DataFault, Treatment};
-use super::findings::{Findings, Place};
+use super::fault::{DataFault, FaultHandling};
+use super::findings::{Findings, ChannelLocation};
 use super::{
     agreement, dead, exchanged, hum, rate, repeated_rows, shifted, sign, slip, stuck, stuck_force, unit,
 };
@@ -115,13 +115,13 @@ fn without_repeated_rows<'a>(
 /// Leaves out each fit log with a removed channel if the logs without one are at least as long: a stage can be fitted only if
 /// all logs have its channels.
 fn leave_out(results: &mut Vec<(Cow<'_, Log>, Findings)>, faults: &mut Vec<DataFault>) {
-    let has_removed = |findings: &Findings| findings.faults.iter().any(|f| f.treatment == Treatment::Removed);
+    let has_removed = |findings: &Findings| findings.faults.iter().any(|f| f.treatment == FaultHandling::Removed);
     let sound = results.iter().filter(|(_, findings)| !has_removed(findings)).map(|(log, _)| log.len());
     let sound: usize = sound.sum();
     results.retain_mut(|(log, findings)| {
         let stays = !has_removed(findings) || log.len() > sound;
         if !stays {
-            let left_out = |fault: DataFault| DataFault { treatment: Treatment::LogLeftOut, ..fault };
+            let left_out = |fault: DataFault| DataFault { treatment: FaultHandling::LogLeftOut, ..fault };
             faults.extend(findings.faults.drain(..).map(left_out));
         }
         stays
@@ -144,7 +144,7 @@ fn of_log(machine: &Machine, log: &mut Cow<'_, Log>, options: &TraceOptions) -> 
     exchanged::correct(log, faults, &mut findings);
     for axis in 0..log.axes.len() {
         for (channel, factor) in agreement::disagreeing(&log.axes[axis], log.sample_time_s, faults) {
-            let correct = |values: &mut [f64], place: &Place<'_>, findings: &mut Findings| {
+            let correct = |values: &mut [f64], place: &ChannelLocation<'_>, findings: &mut Findings| {
                 if sign::is_reversed(channel, factor, faults) {
                     sign::correct(values, place, findings);
                     return true;
@@ -180,11 +180,11 @@ fn change(
     log: &mut Cow<'_, Log>,
     (axis, channel): (usize, Channel),
     findings: &mut Findings,
-    correct: impl Fn(&mut [f64], &Place<'_>, &mut Findings) -> bool,
+    correct: impl Fn(&mut [f64], &ChannelLocation<'_>, &mut Findings) -> bool,
 ) {
     let Some(mut values) = log.axes[axis].channel(channel).map(<[f64]>::to_vec) else { return };
     let count = findings.faults.len();
-    let is_usable = correct(&mut values, &Place { log, axis, channel }, findings);
+    let is_usable = correct(&mut values, &ChannelLocation { log, axis, channel }, findings);
     if findings.faults.len() > count {
         *log.to_mut().axes[axis].channel_mut(channel) = is_usable.then_some(values);
     }

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use super::channels::{POSITIONS, thinned};
 use super::difference::deviation;
-use super::fault::{FaultKind, Treatment};
-use super::findings::{Findings, Place};
+use super::fault::{FaultKind, FaultHandling};
+use super::findings::{Findings, ChannelLocation};
 use crate::options::FaultOptions;
 use files::log::{Channel, Log};
 
@@ -51,8 +51,8 @@ pub fn correct(log: &mut Cow<'_, Log>, options: &FaultOptions, findings: &mut Fi
                     continue;
                 }
                 for axis in [a, b] {
-                    let place = Place { log, axis, channel };
-                    findings.faults.push(place.fault(FaultKind::Exchanged, None, Treatment::Corrected));
+                    let place = ChannelLocation { log, axis, channel };
+                    findings.faults.push(place.fault(FaultKind::Exchanged, None, FaultHandling::Corrected));
                 }
                 let axes = &mut log.to_mut().axes;
                 let of_a = axes[a].channel_mut(channel).take();

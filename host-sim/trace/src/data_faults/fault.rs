@@ -48,7 +48,7 @@ impl FaultKind {
 
 /// What a trace does about a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Treatment {
+pub enum FaultHandling {
     /// The channel is corrected and used.
     Corrected,
     /// The channel is not used.
@@ -57,7 +57,7 @@ pub enum Treatment {
     LogLeftOut,
 }
 
-impl Treatment {
+impl FaultHandling {
     /// Name of the treatment, as in `--json`.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -90,5 +90,5 @@ pub struct DataFault {
     /// Number of occurrences that this entry combines.
     pub count: usize,
     /// What the trace does about it.
-    pub treatment: Treatment,
+    pub treatment: FaultHandling,
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::channels;
 use super::excluded::Excluded;
-use super::fault::{DataFault, FaultKind, Treatment};
+use super::fault::{DataFault, FaultKind, FaultHandling};
 use files::log::{AxisLog, Channel, Log};
 use model::effects::Stage;
 
@@ -19,7 +19,7 @@ pub struct Findings {
 
 /// The place of a fault: an axis of a log, and a channel.
 #[derive(Clone, Copy, Debug)]
-pub struct Place<'a> {
+pub struct ChannelLocation<'a> {
     /// The log.
     pub log: &'a Log,
     /// Index of the axis in the log.
@@ -28,7 +28,7 @@ pub struct Place<'a> {
     pub channel: Channel,
 }
 
-impl<'a> Place<'a> {
+impl<'a> ChannelLocation<'a> {
     /// The axis.
     #[must_use]
     pub fn axis(&self) -> &'a AxisLog {
@@ -37,7 +37,7 @@ impl<'a> Place<'a> {
 
     /// The fault of a kind over the whole log.
     #[must_use]
-    pub fn fault(&self, kind: FaultKind, size: Option<f64>, treatment: Treatment) -> DataFault {
+    pub fn fault(&self, kind: FaultKind, size: Option<f64>, treatment: FaultHandling) -> DataFault {
         DataFault {
             axis: self.axis().name.clone(),
             channel: Some(self.channel),
@@ -55,20 +55,20 @@ impl<'a> Place<'a> {
     #[must_use]
     pub fn fault_at(&self, kind: FaultKind, sample: usize, size: f64) -> DataFault {
         let at_s = Some(self.log.time_s(sample));
-        DataFault { at_s, ..self.fault(kind, Some(size), Treatment::Corrected) }
+        DataFault { at_s, ..self.fault(kind, Some(size), FaultHandling::Corrected) }
     }
 }
 
 impl Findings {
     /// Excludes samples, and `margin` neighbours on both sides, from the stages that use the channel.
-    pub fn exclude(&mut self, place: &Place<'_>, samples: &Range<usize>, margin: usize) {
+    pub fn exclude(&mut self, place: &ChannelLocation<'_>, samples: &Range<usize>, margin: usize) {
         self.exclude_stages(place, samples, margin, channels::stages(place.axis(), place.channel));
     }
 
     /// Excludes samples, and `margin` neighbours on both sides, from stages.
     pub fn exclude_stages(
         &mut self,
-        place: &Place<'_>,
+        place: &ChannelLocation<'_>,
         samples: &Range<usize>,
         margin: usize,
         stages: &'static [Stage],

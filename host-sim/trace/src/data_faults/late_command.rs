@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use super::fault::{DataFault, FaultKind, Treatment};
+use super::fault::{DataFault, FaultKind, FaultHandling};
 use super::shifted::shifted;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
@@ -168,7 +168,7 @@ pub fn shift_back(log: &mut Signals, axis: usize, name: &str, late: usize) -> Da
         size: Some(1e3 * late as f64 * log.sample_s),
         frequency_hz: None,
         count: 1,
-        treatment: Treatment::Corrected,
+        treatment: FaultHandling::Corrected,
     }
 }
 

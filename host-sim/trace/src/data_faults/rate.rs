@@ -1,6 +1,6 @@
 //! Rate: each row of a log stands there several times, so that its true rate is a fraction of that which its times give.
 
-use super::fault::{DataFault, FaultKind, Treatment};
+use super::fault::{DataFault, FaultKind, FaultHandling};
 use files::error::InputError;
 use files::log::{Channel, Log};
 
@@ -40,7 +40,7 @@ pub fn faults(log: &Log, every: usize) -> impl Iterator<Item = DataFault> {
         size: Some(every as f64),
         frequency_hz: None,
         count: 1,
-        treatment: Treatment::LogLeftOut,
+        treatment: FaultHandling::LogLeftOut,
     })
 }
 

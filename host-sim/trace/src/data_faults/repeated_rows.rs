@@ -8,8 +8,8 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use super::channels::{Accuracy, POSITIONS};
-use super::fault::{DataFault, FaultKind, Treatment};
-use super::findings::{Findings, Place};
+use super::fault::{DataFault, FaultKind, FaultHandling};
+use super::findings::{Findings, ChannelLocation};
 use super::stuck::MAX_INTERPOLATED;
 use files::log::{AxisLog, Channel, Log};
 use model::effects::Stage;
@@ -127,10 +127,10 @@ pub fn correct(log: &mut Cow<'_, Log>, [margin, settling]: [usize; 2], findings:
     for (axis, ranges) in of_axes.iter().enumerate() {
         let Some(first) = ranges.first() else { continue };
         let rows: usize = ranges.iter().map(Range::len).sum();
-        let place = Place { log, axis, channel: Channel::Motor };
+        let place = ChannelLocation { log, axis, channel: Channel::Motor };
         let fault = place.fault_at(FaultKind::Stuck, first.start, rows as f64 * log.sample_time_s);
         let fault =
-            DataFault { channel: None, count: ranges.len(), treatment: Treatment::Corrected, ..fault };
+            DataFault { channel: None, count: ranges.len(), treatment: FaultHandling::Corrected, ..fault };
         findings.faults.push(fault);
         for range in ranges {
             let margin = match range.len() {

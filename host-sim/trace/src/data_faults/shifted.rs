@@ -5,8 +5,8 @@ use std::borrow::Cow;
 use super::bridge::bridge;
 use super::channels::{SENSORS, references, thinned};
 use super::difference::deviation;
-use super::fault::{FaultKind, Treatment};
-use super::findings::{Findings, Place};
+use super::fault::{FaultKind, FaultHandling};
+use super::findings::{Findings, ChannelLocation};
 use crate::options::FaultOptions;
 use files::log::{Channel, Log};
 
@@ -49,7 +49,7 @@ fn shift(values: &[f64], reference: &[f64], sample_s: f64, options: &FaultOption
 }
 
 /// The number of samples by which a sensor is late relative to all other sensors of its axis.
-fn late_by(place: &Place<'_>, options: &FaultOptions) -> Option<isize> {
+fn late_by(place: &ChannelLocation<'_>, options: &FaultOptions) -> Option<isize> {
     let values = place.axis().channel(place.channel)?;
     let sensors = references(place.axis(), place.channel).filter(|(other, _)| *other != Channel::Command);
     let mut shifts = sensors.map(|(_, other)| shift(values, other, place.log.sample_time_s, options));
@@ -63,12 +63,12 @@ fn late_by(place: &Place<'_>, options: &FaultOptions) -> Option<isize> {
 pub fn correct(log: &mut Cow<'_, Log>, margin: usize, options: &FaultOptions, findings: &mut Findings) {
     for axis in 0..log.axes.len() {
         for channel in SENSORS.into_iter().rev() {
-            let place = Place { log, axis, channel };
+            let place = ChannelLocation { log, axis, channel };
             let Some(by) = late_by(&place, options) else { continue };
             let Some(values) = place.axis().channel(channel) else { continue };
             let mut corrected = shifted(values, by);
             let ms = 1e3 * by as f64 * log.sample_time_s;
-            findings.faults.push(place.fault(FaultKind::Shifted, Some(ms), Treatment::Corrected));
+            findings.faults.push(place.fault(FaultKind::Shifted, Some(ms), FaultHandling::Corrected));
             let (late, count) = (by.unsigned_abs().min(values.len()), values.len());
             let missing = if by > 0 { count - late..count } else { 0..late };
             let reference = references(place.axis(), channel).map(|(_, values)| values).next();

@@ -1,8 +1,8 @@
 //! Sign: the reading decreases while the axis moves in the + direction.
 
 use super::agreement::tolerance;
-use super::fault::{FaultKind, Treatment};
-use super::findings::{Findings, Place};
+use super::fault::{FaultKind, FaultHandling};
+use super::findings::{Findings, ChannelLocation};
 use crate::options::FaultOptions;
 use files::log::Channel;
 
@@ -15,8 +15,8 @@ pub fn is_reversed(channel: Channel, factor: f64, options: &FaultOptions) -> boo
 
 /// Reports and negates a channel. It is negated about its own zero; the distance between its zero and that of the other
 /// channels is fitted with the model.
-pub fn correct(values: &mut [f64], place: &Place<'_>, findings: &mut Findings) {
-    findings.faults.push(place.fault(FaultKind::Sign, None, Treatment::Corrected));
+pub fn correct(values: &mut [f64], place: &ChannelLocation<'_>, findings: &mut Findings) {
+    findings.faults.push(place.fault(FaultKind::Sign, None, FaultHandling::Corrected));
     for value in values {
         *value = -*value;
     }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::bridge::bridge;
 use super::channels::{self, references};
 use super::fault::FaultKind;
-use super::findings::{Findings, Place};
+use super::findings::{Findings, ChannelLocation};
 use super::jumps::{self, Jump, Relative};
 use super::spike::{self, Spike};
 use super::step::best_step;
@@ -21,7 +21,7 @@ const MIN_ACCELERATION_MM_PER_S2: f64 = 200.0;
 const MAX_REMAINDER: f64 = 0.3;
 
 /// Whether another channel of the axis jumps as well, so that the machine moved or the log lacks a sample.
-fn is_shared(place: &Place<'_>, jump: &Jump) -> bool {
+fn is_shared(place: &ChannelLocation<'_>, jump: &Jump) -> bool {
     let jumps = |other: &[f64]| {
         (jump.sample - 1..=jump.sample + 1)
             .any(|sample| jumps::own(other, sample) / jump.size > MAX_REMAINDER)
@@ -31,7 +31,7 @@ fn is_shared(place: &Place<'_>, jump: &Jump) -> bool {
 
 /// Whether a jump of the tool is at an instant at which the acceleration of an axis jumps: structures bend under
 /// acceleration, and the tool with them, in one sample if the acceleration changes in one.
-fn follows_acceleration(place: &Place<'_>, sample: usize) -> bool {
+fn follows_acceleration(place: &ChannelLocation<'_>, sample: usize) -> bool {
     place.channel == Channel::Tool
         && place.log.axes.iter().any(|axis| {
             let motion = axis.command.as_ref().or(axis.motor.as_ref()).or(axis.table.as_ref());
@@ -67,7 +67,7 @@ struct Displaced {
 
 /// Finds the slips and spikes of a channel of `place`, and removes them from `values`, its samples. Without another position
 /// channel a slip cannot be distinguished from a motion; a command does not slip.
-fn remove(values: &mut [f64], place: &Place<'_>, options: &FaultOptions) -> Displaced {
+fn remove(values: &mut [f64], place: &ChannelLocation<'_>, options: &FaultOptions) -> Displaced {
     let reference = channels::reference(place.axis(), place.channel);
     let smallest = jumps::smallest(values, reference, options);
     let jumps: Vec<Jump> = jumps::jumps(Relative { values, reference }, smallest, options);
@@ -106,7 +106,7 @@ fn remove(values: &mut [f64], place: &Place<'_>, options: &FaultOptions) -> Disp
 /// Finds, reports and removes slips and spikes of a channel.
 pub fn correct(
     values: &mut [f64],
-    place: &Place<'_>,
+    place: &ChannelLocation<'_>,
     margin: usize,
     options: &FaultOptions,
     findings: &mut Findings,
@@ -165,7 +165,7 @@ mod tests {
     }
 
     fn corrected(log: &Log, channel: Channel) -> (Findings, Vec<f64>) {
-        let place = Place { log, axis: 0, channel };
+        let place = ChannelLocation { log, axis: 0, channel };
         let mut values = log.axes[0].channel(channel).unwrap().to_vec();
         let mut findings = Findings::default();
         correct(&mut values, &place, 6, &FaultOptions::default(), &mut findings);

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::bridge::bridge;
 use super::fault::{DataFault, FaultKind};
-use super::findings::Place;
+use super::findings::ChannelLocation;
 
 /// A displacement of a few readings, which returns to zero.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +27,7 @@ pub fn remove(values: &mut [f64], reference: Option<&[f64]>, samples: &Range<usi
 
 /// The spikes of a channel as one fault, with the time of the first and the size of the largest.
 #[must_use]
-pub fn fault(place: &Place<'_>, spikes: &[Spike]) -> Option<DataFault> {
+pub fn fault(place: &ChannelLocation<'_>, spikes: &[Spike]) -> Option<DataFault> {
     let largest = spikes.iter().max_by(|a, b| a.size.abs().total_cmp(&b.size.abs()))?;
     let first = spikes.iter().map(|spike| spike.samples.start).min()?;
     let fault = place.fault_at(FaultKind::Spike, first, 1e3 * largest.size);

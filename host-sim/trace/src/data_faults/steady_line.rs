@@ -169,7 +169,7 @@ pub fn lines(signal: &Signal<'_>) -> Vec<f64> {
     let bin = |hz: f64| (hz / resolution_hz).round() as usize;
     let [near, far] = BESIDE_HZ.map(bin);
     let end = bin(2.0 * MAX_FREQUENCY * resolution_hz * spectrum.len() as f64).min(spectrum.len());
-    let stands_out = |&k: &usize| {
+    let is_prominent = |&k: &usize| {
         // Some 60 of them suffice for a median.
         let some = (far / 30).max(1);
         let beside = (k.saturating_sub(far)..=k.saturating_sub(near)).chain(k + near..=k + far).step_by(some);
@@ -178,7 +178,7 @@ pub fn lines(signal: &Signal<'_>) -> Vec<f64> {
     };
     let is_peak =
         |&k: &usize| spectrum[k] >= spectrum[k - 1] && spectrum[k] >= *spectrum.get(k + 1).unwrap_or(&0.0);
-    let mut found: Vec<usize> = (bin(MIN_HZ).max(1)..end).filter(|k| is_peak(k) && stands_out(k)).collect();
+    let mut found: Vec<usize> = (bin(MIN_HZ).max(1)..end).filter(|k| is_peak(k) && is_prominent(k)).collect();
     found.sort_by(|a, b| spectrum[*b].total_cmp(&spectrum[*a]));
     found.into_iter().map(|bin| bin as f64 * resolution_hz).collect()
 }

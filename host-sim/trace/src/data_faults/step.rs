@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::channels::references;
-use super::findings::Place;
+use super::findings::ChannelLocation;
 
 /// Numbers of samples on each side, and degrees of the polynomials through them: many samples if the difference of the
 /// channels is smooth, few if it is not.
@@ -96,7 +96,7 @@ fn agreed(steps: impl Iterator<Item = Step>) -> Option<Step> {
 #[must_use]
 pub fn best_step(
     values: &[f64],
-    place: &Place<'_>,
+    place: &ChannelLocation<'_>,
     across: &Range<usize>,
     limits: &Range<usize>,
 ) -> Option<Step> {

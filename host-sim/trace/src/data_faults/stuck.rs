@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use super::bridge::bridge;
 use super::channels::{Accuracy, SENSORS, references};
-use super::fault::{DataFault, FaultKind, Treatment};
-use super::findings::{Findings, Place};
+use super::fault::{DataFault, FaultKind, FaultHandling};
+use super::findings::{Findings, ChannelLocation};
 use super::jumps;
 use crate::options::FaultOptions;
 use files::log::Channel;
@@ -78,7 +78,7 @@ impl Other<'_> {
 
 /// The stuck ranges of a channel. If it repeats readings often, smaller missed motions are regarded as well, as far as noise
 /// and resolution show them.
-fn find(values: &[f64], place: &Place<'_>, options: &FaultOptions) -> Vec<Range<usize>> {
+fn find(values: &[f64], place: &ChannelLocation<'_>, options: &FaultOptions) -> Vec<Range<usize>> {
     let repeated = repeated(values);
     let stuck = |is_frequent: bool| -> Vec<Range<usize>> {
         let other = |(channel, other): (Channel, _)| Other {
@@ -109,7 +109,7 @@ fn visible(values: &[f64], other: &[f64]) -> f64 {
 /// channel can be used.
 pub fn correct(
     values: &mut [f64],
-    place: &Place<'_>,
+    place: &ChannelLocation<'_>,
     margin: usize,
     options: &FaultOptions,
     findings: &mut Findings,
@@ -126,7 +126,7 @@ pub fn correct(
     let fault = |ranges: &[&Range<usize>]| -> Option<DataFault> {
         let samples: usize = ranges.iter().map(|range| range.len()).sum();
         let fault = place.fault_at(FaultKind::Stuck, ranges.first()?.start, samples as f64 * sample_s);
-        let treatment = if is_usable { Treatment::Corrected } else { Treatment::Removed };
+        let treatment = if is_usable { FaultHandling::Corrected } else { FaultHandling::Removed };
         Some(DataFault { count: ranges.len(), treatment, ..fault })
     };
     findings.faults.extend(long.iter().filter_map(|range| fault(&[range])));
@@ -163,7 +163,7 @@ mod tests {
     }
 
     fn found(log: &Log) -> (Findings, Vec<f64>, bool) {
-        let place = Place { log, axis: 0, channel: Channel::Table };
+        let place = ChannelLocation { log, axis: 0, channel: Channel::Table };
         let mut values = log.axes[0].table.clone().unwrap();
         let mut findings = Findings::default();
         let is_usable = correct(&mut values, &place, 6, &FaultOptions::default(), &mut findings);
@@ -230,7 +230,7 @@ mod tests {
             hold(&mut log, sample..sample + 1);
         }
         let (findings, _, is_usable) = found(&log);
-        assert!(!is_usable && findings.faults[0].treatment == Treatment::Removed);
+        assert!(!is_usable && findings.faults[0].treatment == FaultHandling::Removed);
         assert!(findings.excluded.is_empty());
     }
 }

@@ -2,7 +2,7 @@
 
 use super::bridge::bridge;
 use super::fault::FaultKind;
-use super::findings::{Findings, Place};
+use super::findings::{Findings, ChannelLocation};
 use crate::options::FaultOptions;
 use files::log::Channel;
 
@@ -15,7 +15,7 @@ const CONTEXT: usize = 64;
 /// after does not repeat its value by chance for many samples. The force at its limit is constant and no fault.
 pub fn correct(
     values: &mut [f64],
-    place: &Place<'_>,
+    place: &ChannelLocation<'_>,
     margin: usize,
     options: &FaultOptions,
     findings: &mut Findings,

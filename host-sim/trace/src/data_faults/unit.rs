@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 
 use super::channels::{SENSORS, stretches};
-use super::fault::{FaultKind, Treatment};
-use super::findings::{Findings, Place};
+use super::fault::{FaultKind, FaultHandling};
+use super::findings::{Findings, ChannelLocation};
 use crate::input::smoothing::Smooth;
 use crate::options::{SampleOptions, TraceOptions};
 use files::log::{AxisLog, Channel, Log};
@@ -29,10 +29,10 @@ const FORCE_TOLERANCE: f64 = 2.0;
 
 /// Reports a position channel that moves by a factor of the others. It is converted if the factor is that of a unit.
 /// Returns whether it can be used.
-pub fn correct(values: &mut [f64], factor: f64, place: &Place<'_>, findings: &mut Findings) -> bool {
+pub fn correct(values: &mut [f64], factor: f64, place: &ChannelLocation<'_>, findings: &mut Findings) -> bool {
     let tolerance = if place.channel == Channel::Command { COMMAND_TOLERANCE } else { UNIT_TOLERANCE };
     let unit = UNITS.into_iter().find(|unit| (factor / unit - 1.0).abs() < tolerance);
-    let treatment = if unit.is_some() { Treatment::Corrected } else { Treatment::Removed };
+    let treatment = if unit.is_some() { FaultHandling::Corrected } else { FaultHandling::Removed };
     findings.faults.push(place.fault(FaultKind::Unit, Some(unit.unwrap_or(factor)), treatment));
     let Some(unit) = unit else { return false };
     for value in values {
@@ -56,13 +56,13 @@ pub fn correct_forces(
         };
         let fits = |unit: &f64| (1.0 / FORCE_TOLERANCE..FORCE_TOLERANCE).contains(&(factor.abs() / unit));
         let unit = FORCE_UNITS.into_iter().find(fits);
-        let place = Place { log, axis, channel: Channel::Force };
+        let place = ChannelLocation { log, axis, channel: Channel::Force };
         let is_reversed = factor < 0.0;
         if is_reversed {
-            findings.faults.push(place.fault(FaultKind::Sign, None, Treatment::Corrected));
+            findings.faults.push(place.fault(FaultKind::Sign, None, FaultHandling::Corrected));
         }
         if let Some(unit) = unit {
-            findings.faults.push(place.fault(FaultKind::Unit, Some(unit), Treatment::Corrected));
+            findings.faults.push(place.fault(FaultKind::Unit, Some(unit), FaultHandling::Corrected));
         }
         if is_reversed || unit.is_some() {
             let divisor = unit.unwrap_or(1.0).copysign(factor);

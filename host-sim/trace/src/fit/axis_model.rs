@@ -74,7 +74,7 @@ impl AxisModel {
     }
 
     /// Pins the mass again, after a step of the fit of this scope that pinned it, see [`AxisModel::pin_mass`].
-    pub fn pin_mass_again(&mut self, scope: &Scope) {
+    pub fn update_mass_constraint(&mut self, scope: &Scope) {
         if let Some([_, half_width_kg]) = self.pinned_mass_kg {
             self.pin_mass(scope, half_width_kg);
         }

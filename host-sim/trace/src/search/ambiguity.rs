@@ -47,7 +47,7 @@ pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope:
             );
         !std::ptr::eq(*other, added)
             && !contains_added
-            && (other.stands_out(options) || gains_enough)
+            && (other.passes_significance(options) || gains_enough)
             && gain_over(other).is_some_and(|stages| stages.iter().all(|stage| is_as_good(stage, options)))
     };
     let ambiguity = |rival: &Candidate| {

@@ -43,30 +43,30 @@ impl Candidate {
     /// Whether held-out data support the effect, and its parameters are within their limits.
     #[must_use]
     pub fn is_supported(&self, options: &SearchOptions) -> bool {
-        self.limit.is_none() && self.stands_out(options)
+        self.limit.is_none() && self.passes_significance(options)
     }
 
     /// Whether held-out data support the effect: at least one stage improves significantly and in every fold, and in no log
     /// does a stage lose more than a small fraction of the total gain.
     #[must_use]
-    pub fn stands_out(&self, options: &SearchOptions) -> bool {
-        self.helps(options, |c| c.t >= c.min_t, |c| c.worst_log)
+    pub fn passes_significance(&self, options: &SearchOptions) -> bool {
+        self.meets_criteria(options, |c| c.t >= c.min_t, |c| c.worst_log)
     }
 
     /// The same for an effect that is to be kept beside others. A loss of a stage counts only if the fitted data show it, too: a fit
     /// without a fold determines a map of many knots poorly, so that its error on that fold changes by chance.
     #[must_use]
     pub fn is_needed(&self, options: &SearchOptions) -> bool {
-        self.helps(options, |c| c.t >= c.min_t, |c| c.worst_log.max(c.worst_fitted_log))
+        self.meets_criteria(options, |c| c.t >= c.min_t, |c| c.worst_log.max(c.worst_fitted_log))
     }
 
     /// The same as [`Self::is_supported`] without the test of significance.
     #[must_use]
     pub fn is_consistent(&self, options: &SearchOptions) -> bool {
-        self.limit.is_none() && self.helps(options, |c| c.t >= 0.0, |c| c.worst_log)
+        self.limit.is_none() && self.meets_criteria(options, |c| c.t >= 0.0, |c| c.worst_log)
     }
 
-    fn helps(
+    fn meets_criteria(
         &self,
         options: &SearchOptions,
         is_significant: impl Fn(&Comparison) -> bool,

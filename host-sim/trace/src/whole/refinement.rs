@@ -8,7 +8,7 @@ use crate::analysis::variable::Variable;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::normal_equations::{Block, normal, stepped};
 use crate::fit::scope_fit::Progress;
-use crate::outcome::{AxisTrace, StageError, Trace};
+use crate::outcome::{AxisTrace, StageResidual, Trace};
 use crate::stages::{residual_unit, stage_names};
 use crate::task::Task;
 use model::effects::Stage;
@@ -74,7 +74,7 @@ impl AxisTrace {
         let (curvature, gradient) = normal([&block], &parameters);
         let mut moved = self.model.at(scope, &stepped(&parameters, &curvature, &gradient, DAMPING));
         if moved.first_at_limit().is_none() {
-            moved.pin_mass_again(scope);
+            moved.update_mass_constraint(scope);
             self.model = moved;
         }
     }
@@ -148,7 +148,7 @@ fn worst_pieces(axis: &AxisTrace, index: usize, sets: [&[PieceSquares]; 2], max_
         let (piece, largest) = all.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
         Some((piece, largest, median))
     };
-    let sentence = |error: &StageError| {
+    let sentence = |error: &StageResidual| {
         let (piece, largest, median) = of_stage(error.stage)?;
         let is_outstanding = largest > MIN_RATIO * median && largest > MIN_RATIO * max_ratio * error.noise;
         is_outstanding.then(|| {

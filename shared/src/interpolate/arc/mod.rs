@@ -11,7 +11,7 @@ mod tests;
 use end_correction::EndCorrection;
 
 use super::error::{Field, PathError};
-use super::turn::sin_cos;
+use super::sincos::sin_cos;
 use crate::integer::{Words, shifted_product};
 use crate::units::{PER_M, PER_NM, Position, TRAVEL_LIMIT_M};
 

@@ -17,7 +17,7 @@ mod tests;
 
 pub use motion::Progress;
 
-use motion::{Motion, Place, SegmentEnd};
+use motion::{Motion, ProfilePosition, SegmentEnd};
 
 use super::error::PathError;
 use super::fraction::whole;
@@ -237,7 +237,7 @@ impl Profile {
 
     /// Advances a motion at a place by a time in which segments may end, and the place with it.
     #[inline(never)]
-    fn across_segments(&self, motion: &mut Motion, mut time: u64, place: &mut Place) -> Step {
+    fn across_segments(&self, motion: &mut Motion, mut time: u64, place: &mut ProfilePosition) -> Step {
         // At most all segments end within a tick.
         for _ in 0..SEGMENTS {
             let elapsed = time.min(place.remaining);

@@ -8,7 +8,7 @@ use crate::interpolate::fraction::{speed, whole};
 /// The end of a segment is computed in the tick before it, so that the work is spread over two ticks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    pub(super) place: Place,
+    pub(super) place: ProfilePosition,
     pub(super) has_segment_end: bool,
     /// Whether the last tick computed or crossed the end of a segment.
     pub(super) was_at_segment_end: bool,
@@ -30,7 +30,7 @@ pub(super) struct SegmentEnd {
 /// Within a segment the distance after n ticks is a cubic in n, so its third difference is constant: three additions
 /// advance it by a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Place {
+pub(super) struct ProfilePosition {
     /// Distance from the start, position units with 64 fraction bits, and its differences over the next tick.
     pub(super) distance: i128,
     first_difference: i128,
@@ -45,7 +45,7 @@ pub(super) struct Place {
 impl Progress {
     /// At rest at zero, not started.
     pub const NONE: Self = Self {
-        place: Place {
+        place: ProfilePosition {
             distance: 0,
             first_difference: 0,
             second_difference: 0,
@@ -80,7 +80,7 @@ impl Progress {
     }
 }
 
-impl Place {
+impl ProfilePosition {
     /// Advances by a whole tick within a segment.
     #[inline]
     pub(super) fn whole_tick(&mut self, cruise: bool) {
@@ -99,7 +99,7 @@ impl Place {
         self.second_difference = motion.acceleration + self.third_difference;
     }
 
-    /// The inverse of [`Place::set`].
+    /// The inverse of [`ProfilePosition::set`].
     pub(super) fn motion(&self, jerk_sixth: i128) -> Motion {
         let acceleration = self.second_difference - self.third_difference;
         Motion {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use compensate::treatment::{self, Treatment};
+use compensate::treatment::{self, EffectCompensation};
 use model::effects::{KINDS, Kind};
 
 use super::listed::example;
@@ -16,8 +16,8 @@ fn row(kind: &Kind) -> String {
         .distinguishing_key
         .map_or_else(|| format!("`{}`", kind.name), |key| format!("`{}` with `{key}`", kind.name));
     match treatment::of(&example(kind)) {
-        Treatment::Compensated(does) => format!("| {name} | {does} | |\n"),
-        Treatment::Not { why, instead } => format!("| {name} | not compensated: {why} | {instead} |\n"),
+        EffectCompensation::Compensated(does) => format!("| {name} | {does} | |\n"),
+        EffectCompensation::Not { why, instead } => format!("| {name} | not compensated: {why} | {instead} |\n"),
     }
 }
 

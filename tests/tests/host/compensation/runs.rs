@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex};
 
-use compensate::place::Place;
+use compensate::controller_host::ControllerHost;
 use compensate::planning::Planning;
 use compensate::prediction::{self, TestMotion};
 use compensate::{CompensationFile, Plan};
@@ -94,7 +94,7 @@ fn kept_plan(text: &str, test: &TestMotion) -> Arc<Plan> {
 
 /// The log of a machine with ideal sensors.
 pub fn log(machine: &Machine, file: &CompensationFile, test: &TestMotion) -> Log {
-    prediction::log(machine, file, test, (Instruments::default(), Place::Host)).unwrap()
+    prediction::log(machine, file, test, (Instruments::default(), ControllerHost::Host)).unwrap()
 }
 
 /// Contour error, µm rms.

@@ -5,7 +5,7 @@
 //! controller's own, in the number format of the chip.
 
 use shared::feedback::dual::{Feedback, State};
-use shared::feedback::fade::Fade;
+use shared::feedback::exponential_decay::ExponentialDecay;
 use shared::scalar::{Fixed, Scalar};
 use shared::units::{PER_NM, Position};
 
@@ -61,7 +61,7 @@ pub fn run(times: TimeConstants, ticks: u32, lost_motion_nm: impl Fn(f64) -> f64
     let gain = Fixed::gain(gain_per_tick(times.position_s));
     let feedback = Feedback::<Fixed>::Dual {
         fraction: Fixed::gain(gain_per_tick(times.dual_s)),
-        fade: Fade::new(FADE_TICKS),
+        fade: ExponentialDecay::new(FADE_TICKS),
     };
     let (mut state, mut motor, mut shift) = (State::default(), Position(0), 0);
     let nm = |distance: i64| distance as f64 / PER_NM as f64;

@@ -8,7 +8,7 @@
 //! # Example
 //!
 //! ```
-//! use shared::interpolate::turn::{ERROR, ONE, sin_cos};
+//! use shared::interpolate::sincos::{ERROR, ONE, sin_cos};
 //!
 //! let (sine, cosine) = sin_cos(1 << 61); // an eighth of a turn
 //! let exact = 0.5f64.sqrt();

@@ -2,7 +2,7 @@
 
 use super::board::Board;
 use super::direction_check::{DirectionCheck, DirectionCheckError, DirectionCheckSettings, DirectionResult};
-use super::drive_system::{DriveSystem, FirstMotion};
+use super::drive_system::{DriveSystem, DirectionCheckRun};
 use super::enable_switch::SwitchEvent;
 use super::output::DriveOutput;
 use crate::feedback::Reading;
@@ -37,33 +37,33 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
         let check = DirectionCheck::new(axis, settings, rates.velocity_loop_hz)?;
         // After the check a host needs a new edge of the switch.
         self.disarm();
-        self.first_motion = Some(FirstMotion { check, force: S::signal(settings.force_n) });
+        self.direction_check_run = Some(DirectionCheckRun { check, force: S::signal(settings.force_n) });
         Ok(())
     }
 
     /// The axis of the direction check that runs or that ran last, and its result once it has ended.
     #[must_use]
     pub fn direction_check(&self) -> Option<(usize, Option<DirectionResult>)> {
-        self.first_motion.as_ref().map(|first| (first.check.axis(), first.check.result()))
+        self.direction_check_run.as_ref().map(|run| (run.check.axis(), run.check.result()))
     }
 
     /// Whether a direction check waits for the enable switch or pushes. The loops stay open.
     #[must_use]
     pub fn is_checking(&self) -> bool {
-        self.first_motion.as_ref().is_some_and(|first| first.check.result().is_none())
+        self.direction_check_run.as_ref().is_some_and(|run| run.check.result().is_none())
     }
 
     /// Ends a direction check. No effect if none runs.
     pub fn stop_direction_check(&mut self) {
-        if let Some(first) = &mut self.first_motion {
-            first.check.abort();
+        if let Some(run) = &mut self.direction_check_run {
+            run.check.abort();
         }
     }
 
     /// Ends a direction check whose host is gone. No effect if none runs.
     pub fn expire_direction_check(&mut self) {
-        if let Some(first) = &mut self.first_motion {
-            first.check.expire();
+        if let Some(run) = &mut self.direction_check_run {
+            run.check.expire();
         }
     }
 
@@ -79,7 +79,7 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
         let output = self.machine_mut().tick(readings);
         let hardware_stop = board.hardware_stop_active();
         let has_fault = self.has_input_fault() || hardware_stop;
-        let Some(FirstMotion { check, force }) = &mut self.first_motion else { return output };
+        let Some(DirectionCheckRun { check, force }) = &mut self.direction_check_run else { return output };
         match event {
             Some(SwitchEvent::Enable) => check.start(readings),
             Some(SwitchEvent::Disable) if check.is_pushing() => check.abort(),
@@ -106,7 +106,7 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
     /// Whether an input forbids to push the axis of the check.
     fn has_input_fault(&self) -> bool {
         let inputs = self.inputs();
-        let axis = self.first_motion.as_ref().and_then(|first| inputs.axes.get(first.check.axis()));
+        let axis = self.direction_check_run.as_ref().and_then(|run| inputs.axes.get(run.check.axis()));
         let at_limit = axis.is_some_and(|axis| axis.limits != [false; 2]);
         let on_axis = inputs.axes.iter().any(|axis| axis.drive_fault || axis.bad_encoder_signal);
         inputs.emergency_stop || on_axis || at_limit || self.supply_fault().is_some()

@@ -3,7 +3,7 @@
 use super::motion::CommandMotion;
 use crate::scalar::Scalar;
 
-/// What slow terms depend on.
+/// What round-robin terms depend on.
 #[derive(Clone, Debug)]
 pub(super) struct Inputs<S: Scalar, const N: usize> {
     pub motions: [CommandMotion<S>; N],
@@ -11,12 +11,12 @@ pub(super) struct Inputs<S: Scalar, const N: usize> {
     pub clock: u64,
 }
 
-/// Number of slow terms of an axis.
-const SLOW_TERMS: usize = 7;
+/// Number of round-robin terms of an axis.
+const ROUND_ROBIN_TERMS: usize = 7;
 
 /// A term that changes slowly with position or time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum SlowTerm {
+pub(super) enum RoundRobinTerm {
     Pitch,
     Straightness,
     Intalk,
@@ -26,44 +26,44 @@ pub(super) enum SlowTerm {
     AdditionalFriction,
 }
 
-/// The slow terms of an axis.
+/// The round-robin terms of an axis.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SlowList {
+pub(super) struct RoundRobinList {
     count: u8,
     /// Those from the count on are not used.
-    terms: [SlowTerm; SLOW_TERMS],
+    terms: [RoundRobinTerm; ROUND_ROBIN_TERMS],
 }
 
-impl SlowList {
-    pub const EMPTY: Self = Self { count: 0, terms: [SlowTerm::Pitch; SLOW_TERMS] };
+impl RoundRobinList {
+    pub const EMPTY: Self = Self { count: 0, terms: [RoundRobinTerm::Pitch; ROUND_ROBIN_TERMS] };
 
     /// Adds a term; each of them once.
-    pub fn push(&mut self, term: SlowTerm) {
+    pub fn push(&mut self, term: RoundRobinTerm) {
         if let Some(slot) = self.terms.get_mut(usize::from(self.count)) {
             *slot = term;
             self.count += 1;
         }
     }
 
-    pub fn iter(self) -> impl Iterator<Item = SlowTerm> {
+    pub fn iter(self) -> impl Iterator<Item = RoundRobinTerm> {
         self.terms.into_iter().take(usize::from(self.count))
     }
 }
 
-/// The slow terms of all axes, in the order of their evaluation.
+/// The round-robin terms of all axes, in the order of their evaluation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Schedule<const N: usize> {
     next: u8,
     count: u8,
     /// Axis and term. Those from the count on are not used.
-    terms: [[(u8, SlowTerm); N]; SLOW_TERMS],
+    terms: [[(u8, RoundRobinTerm); N]; ROUND_ROBIN_TERMS],
 }
 
 impl<const N: usize> Schedule<N> {
-    pub const EMPTY: Self = Self { next: 0, count: 0, terms: [[(0, SlowTerm::Pitch); N]; SLOW_TERMS] };
+    pub const EMPTY: Self = Self { next: 0, count: 0, terms: [[(0, RoundRobinTerm::Pitch); N]; ROUND_ROBIN_TERMS] };
 
     /// Adds the terms of an axis.
-    pub fn add(&mut self, axis: u8, terms: SlowList) {
+    pub fn add(&mut self, axis: u8, terms: RoundRobinList) {
         for term in terms.iter() {
             if let Some(slot) = self.terms.as_flattened_mut().get_mut(usize::from(self.count)) {
                 *slot = (axis, term);
@@ -73,7 +73,7 @@ impl<const N: usize> Schedule<N> {
     }
 
     /// The axis and the term whose turn it is.
-    pub fn advance(&mut self) -> Option<(usize, SlowTerm)> {
+    pub fn advance(&mut self) -> Option<(usize, RoundRobinTerm)> {
         let (axis, term) =
             *self.terms.as_flattened().get(usize::from(self.next)).filter(|_| self.next < self.count)?;
         let next = self.next.wrapping_add(1);

@@ -4,9 +4,9 @@
 ///
 /// Holds the fraction of a distance that decays per tick, 1 − e^(−tick/time constant), times 2³².
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Fade(u32);
+pub struct ExponentialDecay(u32);
 
-impl Fade {
+impl ExponentialDecay {
     /// From a time constant in ticks, above 0.
     #[must_use]
     pub fn new(ticks: f64) -> Self {
@@ -46,7 +46,7 @@ mod tests {
 
     #[test]
     fn a_time_constant_leaves_one_part_in_e() {
-        let fade = Fade::new(2000.0);
+        let fade = ExponentialDecay::new(2000.0);
         let remaining = (0..2000).fold(1i64 << 40, |distance, _| fade.step(distance));
         let exact = f64::from(1 << 30) * 1024.0 / core::f64::consts::E;
         // The fraction, 2³²/2000 steps, is rounded by half a step, and each tick rounds by up to a unit.
@@ -56,15 +56,15 @@ mod tests {
 
     #[test]
     fn the_slowest_and_the_fastest_fade_end() {
-        assert_eq!(Fade::new(1e12).step(-5), -4);
-        assert_eq!(Fade::new(1e-12).step(1000), 0);
-        assert_eq!(Fade::new(1e-12).step(-1000), 0);
+        assert_eq!(ExponentialDecay::new(1e12).step(-5), -4);
+        assert_eq!(ExponentialDecay::new(1e-12).step(1000), 0);
+        assert_eq!(ExponentialDecay::new(1e-12).step(-1000), 0);
     }
 
     proptest! {
         #[test]
         fn a_fade_approaches_zero_and_does_not_pass_it(distance: i64, fraction: u32) {
-            let remaining = Fade(fraction.max(1)).step(distance);
+            let remaining = ExponentialDecay(fraction.max(1)).step(distance);
             let nearer = remaining.unsigned_abs() < distance.unsigned_abs();
             prop_assert!(nearer || distance == 0 && remaining == 0);
             prop_assert!(remaining == 0 || (remaining > 0) == (distance > 0));

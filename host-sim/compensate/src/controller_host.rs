@@ -9,14 +9,14 @@ use shared::scalar::Format;
 
 /// Where a controller runs. Its results are the same bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum ControllerHost {
     /// In this process.
     Host,
     /// On the emulated core.
     EmulatedCore,
 }
 
-impl Place {
+impl ControllerHost {
     /// The emulated core if the emulator is installed and its program is built; this process otherwise.
     #[must_use]
     pub fn found() -> Self {
