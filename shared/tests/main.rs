@@ -4,9 +4,9 @@
 mod amplifier;
 mod compensation;
 mod control;
+mod direction_check;
 mod dual_feedback;
 mod enabling;
-mod direction_check;
 mod gain_change;
 mod homing;
 mod inputs;

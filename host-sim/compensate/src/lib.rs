@@ -20,6 +20,7 @@
 pub mod alignment;
 mod capacity;
 mod choice;
+pub mod controller_host;
 pub mod cycles;
 pub mod file;
 pub mod force;
@@ -27,7 +28,6 @@ pub mod json;
 pub mod limits;
 pub mod listed;
 pub mod mapped;
-pub mod controller_host;
 pub mod plan;
 pub mod planning;
 pub mod prediction;

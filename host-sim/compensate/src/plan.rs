@@ -180,8 +180,9 @@ impl Planning<'_> {
     pub(crate) fn parts(&self) -> Vec<Part> {
         let mut parts = Vec::new();
         for (index, axis) in self.model.axis.values().enumerate() {
-            let is_compensated =
-                |(_, effect): &(usize, &Effect)| matches!(treatment::of(effect), EffectCompensation::Compensated(_));
+            let is_compensated = |(_, effect): &(usize, &Effect)| {
+                matches!(treatment::of(effect), EffectCompensation::Compensated(_))
+            };
             let effects = axis.effect.iter().enumerate().filter(is_compensated);
             parts.extend(effects.map(|(effect, _)| Part::Effect(index, effect)));
             if axis.settings.has_mass() {

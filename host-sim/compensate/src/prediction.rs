@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use crate::alignment::aligned;
-use crate::file::{CompensationFile, Refused};
 use crate::controller_host::ControllerHost;
+use crate::file::{CompensationFile, Refused};
 use contour::verification::{Commanded, Prediction};
 use contour::{ContourError, LoggedMotion};
 use files::error::InputError;

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::file::CompensationFile;
 use crate::controller_host::ControllerHost;
+use crate::file::CompensationFile;
 use crate::prediction::{self, PredictionError, TestMotion, contour_error, total_rms_um};
 use contour::ContourError;
 use contour::comparison::Comparison;

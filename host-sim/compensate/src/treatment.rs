@@ -169,7 +169,9 @@ mod tests {
         assert!(description(&Effect::Resonance(resonance)).contains("smoothing_s = 0.0160,"));
         let latency = Latency { channel: model::effects::Channel::Tool, ms: 1.0 };
         for effect in [Effect::DriveLag(DriveLag::default()), Effect::Latency(latency)] {
-            let EffectCompensation::Not { why, .. } = of(&effect) else { panic!("{effect:?} is compensated") };
+            let EffectCompensation::Not { why, .. } = of(&effect) else {
+                panic!("{effect:?} is compensated")
+            };
             assert!(why != "no compensation is known");
         }
     }

@@ -9,9 +9,9 @@ pub use draw::{Drawn, draw, draw_several};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use compensate::controller_host::ControllerHost;
 use compensate::file::CompensationFile;
 use compensate::limits::Limits;
-use compensate::controller_host::ControllerHost;
 use compensate::plan::Plan;
 use compensate::planning::Planning;
 use compensate::prediction::{PredictionError, TestMotion};
@@ -111,7 +111,11 @@ pub fn run(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoErro
     let traced = traced(seed, progress)?;
     progress("compensating the machine");
     let instruments = Instruments::typical(seed);
-    let real = SimulatedMachine { machine: &traced.drawn.truth, instruments, controller_host: ControllerHost::found() };
+    let real = SimulatedMachine {
+        machine: &traced.drawn.truth,
+        instruments,
+        controller_host: ControllerHost::found(),
+    };
     let model = traced.trace.better_machine();
     let before = CompensationFile::none(&model);
     let compensated = compensated(&model, (&real, &before), seed)?;

@@ -7,9 +7,9 @@ use serde_json::{Value, json};
 
 use super::second_machine::SecondMachine;
 use super::{Compensated, DemoError, MACHINE, compensated, draw_several, logs};
+use compensate::controller_host::ControllerHost;
 use compensate::file::{AxisCompensation, CompensationFile};
 use compensate::limits::{Limit, Limits};
-use compensate::controller_host::ControllerHost;
 use compensate::round_trip::{MachineUnderTest, SimulatedMachine, totals_um};
 use compensate::servo::ControllerChange;
 use model::axis::Law;

@@ -4,8 +4,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use shared::axis::Reading;
 
-use compensate::file::CompensationFile;
 use compensate::controller_host::ControllerHost;
+use compensate::file::CompensationFile;
 use compensate::prediction::{self, PredictionError, TestMotion};
 use compensate::round_trip::{MachineUnderTest, Sensing};
 use files::log::Log;

@@ -57,7 +57,8 @@ pub fn misfit(axis: &AxisTrace) -> Option<String> {
 /// describes both.
 #[must_use]
 pub fn misfit_held_out(axis: &AxisTrace) -> Option<String> {
-    let only_held_out = |error: &StageResidual| verdict::is_gross_held_out(error) && !verdict::is_gross(error);
+    let only_held_out =
+        |error: &StageResidual| verdict::is_gross_held_out(error) && !verdict::is_gross(error);
     let residuals = list_residuals(axis, only_held_out, |pair| pair.validate)?;
     Some(format!(
         "{}: the model does not describe the logs held out, so that they cannot validate the other results; \

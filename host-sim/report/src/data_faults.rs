@@ -3,7 +3,7 @@
 use files::format::significant;
 use files::log::{Channel, Unit};
 use pages::file_name;
-use trace::data_faults::{DataFault, FaultKind, FaultHandling};
+use trace::data_faults::{DataFault, FaultHandling, FaultKind};
 use trace::outcome::AxisTrace;
 
 /// One sentence for each fault of an axis; a fault of the same kind and size in several logs is stated once.
@@ -133,7 +133,8 @@ mod tests {
 
     #[test]
     fn a_fault_is_described_with_size_time_and_treatment() {
-        let text = description(&fault(FaultKind::Slip, Some(-7.98), FaultHandling::Corrected), Unit::Millimetre);
+        let text =
+            description(&fault(FaultKind::Slip, Some(-7.98), FaultHandling::Corrected), Unit::Millimetre);
         assert_eq!(
             text,
             "the table reading slips by −7.98 µm at 16.846 s; the step is removed and both sides are used"

@@ -85,15 +85,15 @@ fn values(abscissa: &Abscissa, view: &AxisView<'_>, log: usize) -> Option<Vec<f6
     let other = |name: &Option<String>| carried(other(name.as_deref(), view));
     match abscissa {
         Abscissa::Time => Some((0..log.len()).map(|i| log.start_s + i as f64 * log.sample_s).collect()),
-        Abscissa::Position => carried(view.data.axis).map(|smooth| millimetres(&smooth.position)),
+        Abscissa::Position => carried(view.data.axis).map(|smooth| millimetres(&smooth.value)),
         Abscissa::WithinPeriod(period_mm) => {
             let motor = own.motor.as_ref().or(own.table.as_ref())?;
-            Some(motor.position.iter().map(|m| (1e3 * m).rem_euclid(*period_mm)).collect())
+            Some(motor.value.iter().map(|m| (1e3 * m).rem_euclid(*period_mm)).collect())
         }
         Abscissa::Velocity => carried(view.data.axis).map(|smooth| millimetres(&smooth.velocity)),
         Abscissa::Acceleration => carried(view.data.axis).map(acceleration),
-        Abscissa::Force => own.force.as_ref().map(|force| force.position.clone()),
-        Abscissa::OtherPosition(axis) => other(axis).map(|smooth| millimetres(&smooth.position)),
+        Abscissa::Force => own.force.as_ref().map(|force| force.value.clone()),
+        Abscissa::OtherPosition(axis) => other(axis).map(|smooth| millimetres(&smooth.value)),
         Abscissa::OtherAcceleration(axis) => other(axis).map(acceleration),
     }
 }

@@ -58,8 +58,11 @@ pub fn trace(
         &[(fit_data, &bias[0]), (validate, &bias[1])].map(|(data, bias)| FitData { bias, ..*data });
     let stage = Tracing { fit_data, ..stage };
     // 6: the declared model, fitted in the same way.
-    let before =
-        if model.found().is_empty() { model.clone() } else { stage.refit_baseline(&before, declared_fits, &fits) };
+    let before = if model.found().is_empty() {
+        model.clone()
+    } else {
+        stage.refit_baseline(&before, declared_fits, &fits)
+    };
     // What the validation logs refute.
     let stages: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
     let axis = drift_rate::with_rates(fit_data, FittedAxis { declared: before.clone(), model, fits });
@@ -239,7 +242,12 @@ impl Tracing<'_> {
     }
 
     /// Fits the declared model with the same exclusions and the same error subtracted as the model with effects.
-    fn refit_baseline(&self, declared: &AxisModel, fits: Vec<Fitted>, with_effects: &[ScopeFit]) -> AxisModel {
+    fn refit_baseline(
+        &self,
+        declared: &AxisModel,
+        fits: Vec<Fitted>,
+        with_effects: &[ScopeFit],
+    ) -> AxisModel {
         let alike = |(fitted, other): (Fitted, &ScopeFit)| {
             let (scope, exclusions) = (other.scope.clone(), other.exclusions.clone());
             ScopeFit { fitted_scope: scope.clone(), scope, fitted, exclusions }

@@ -8,7 +8,7 @@ use crate::analysis::variable::Variable;
 use crate::options::VerdictOptions;
 use crate::outcome::{AxisTrace, StageResidual, Trace};
 use crate::validation::common_noise;
-use crate::validation::declared_value;
+use crate::validation::declared_value::{self, DeclaredValue};
 use crate::validation::found_effect::{FoundEffect, Remaining};
 use crate::verdict::{self, Verdict};
 use model::effects::{Imitation, ImitationContext, Stage};
@@ -84,6 +84,7 @@ fn of_axis(
             tolerance,
             session_s,
             tool_follows_scale,
+            jitters,
         };
         found.imitations = found.effect.imitations(&context);
         if jitters && is_within_jitter(found, &axis.errors) {
@@ -112,6 +113,7 @@ fn follows_scale(axis: &AxisTrace, options: &VerdictOptions) -> bool {
 ///
 /// - where rows were read at instants that jitter;
 /// - where the model does not describe the axis or its loop;
+/// - where the search for another value ended at a bound: they balance what that one lacks;
 /// - where no force was logged: the loop shows the values relative to its gain only;
 /// - where the scale of the logged force explains all of them: together with the gain of the loop, which contradicts the masses by
 ///   the same factor, or where no loop could be evaluated or described.
@@ -125,7 +127,8 @@ fn withdraw_declared(axis: &mut AxisTrace, jitters: bool, options: &VerdictOptio
         is_explained || !has_loop && declared_value::are_off_by_one_factor(&axis.declared_values);
     let is_undescribed = !axis.is_of_another_machine
         && (is_loop_unknown || verdict::of_axis(axis) == Verdict::ModelDoesNotFit);
-    if jitters || !has_force || axis.has_force_scale || is_undescribed {
+    let is_any_undetermined = axis.declared_values.iter().any(DeclaredValue::is_undetermined);
+    if jitters || !has_force || axis.has_force_scale || is_undescribed || is_any_undetermined {
         axis.declared_values.iter_mut().for_each(|value| value.is_beyond_tolerance = false);
     }
 }

@@ -10,8 +10,8 @@ use super::kind::CompensationKind;
 use super::motion::CommandMotion;
 use super::pitch::Pitch;
 use super::reversal::Reversal;
-use super::slew::Slew;
 use super::round_robin::{Inputs, RoundRobinList};
+use super::slew::Slew;
 use super::state::{Correction, RoundRobinTerms, State};
 use super::table::Table;
 use super::talk::Talk;
@@ -146,8 +146,8 @@ impl<S: Scalar> AxisCompensation<S> {
         self.forces_of_motion(state, own);
         let screw = self.screw_correction(state, own);
         let round_robin = &state.round_robin;
-        let mut sum =
-            own.acceleration * round_robin.intalk + acceleration_of(self.crosstalk_source) * round_robin.crosstalk;
+        let mut sum = own.acceleration * round_robin.intalk
+            + acceleration_of(self.crosstalk_source) * round_robin.crosstalk;
         if let Some(other) = motions.get(usize::from(self.squareness_source)) {
             sum += S::from_position(other.position) * state.active.squareness;
         }

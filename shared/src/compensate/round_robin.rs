@@ -60,7 +60,8 @@ pub(super) struct Schedule<const N: usize> {
 }
 
 impl<const N: usize> Schedule<N> {
-    pub const EMPTY: Self = Self { next: 0, count: 0, terms: [[(0, RoundRobinTerm::Pitch); N]; ROUND_ROBIN_TERMS] };
+    pub const EMPTY: Self =
+        Self { next: 0, count: 0, terms: [[(0, RoundRobinTerm::Pitch); N]; ROUND_ROBIN_TERMS] };
 
     /// Adds the terms of an axis.
     pub fn add(&mut self, axis: u8, terms: RoundRobinList) {

@@ -4,8 +4,8 @@ use super::axis::AxisCompensation;
 use super::geometry::Straightness;
 use super::kind::CompensationKind;
 use super::pitch::Pitch;
-use super::settings::PitchSource;
 use super::round_robin::{Inputs, RoundRobinTerm};
+use super::settings::PitchSource;
 use super::state::State;
 use crate::scalar::{Fixed, Scalar};
 
@@ -41,11 +41,13 @@ impl<S: Scalar> AxisCompensation<S> {
             }
             RoundRobinTerm::Intalk => {
                 let talk = self.intalk.as_ref().filter(|_| active.has(CompensationKind::Intalk));
-                state.round_robin.intalk = talk.map_or(S::ZERO, |talk| talk.correction(own.position)).to_gain();
+                state.round_robin.intalk =
+                    talk.map_or(S::ZERO, |talk| talk.correction(own.position)).to_gain();
             }
             RoundRobinTerm::Crosstalk => {
                 let talk = self.crosstalk.as_ref().filter(|_| active.has(CompensationKind::Crosstalk));
-                state.round_robin.crosstalk = talk.map_or(S::ZERO, |talk| talk.correction(own.position)).to_gain();
+                state.round_robin.crosstalk =
+                    talk.map_or(S::ZERO, |talk| talk.correction(own.position)).to_gain();
             }
             RoundRobinTerm::Drift => {
                 let drift = self.drift.as_ref().filter(|_| active.has(CompensationKind::Drift));

@@ -2,7 +2,7 @@
 
 use super::board::Board;
 use super::direction_check::{DirectionCheck, DirectionCheckError, DirectionCheckSettings, DirectionResult};
-use super::drive_system::{DriveSystem, DirectionCheckRun};
+use super::drive_system::{DirectionCheckRun, DriveSystem};
 use super::enable_switch::SwitchEvent;
 use super::output::DriveOutput;
 use crate::feedback::Reading;

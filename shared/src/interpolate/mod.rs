@@ -46,8 +46,8 @@ pub mod path;
 pub mod planned;
 pub mod profile;
 pub mod ramp;
-pub mod smooth;
 pub mod sincos;
+pub mod smooth;
 
 pub use block::{Block, Joint, Ramps};
 pub use error::{Field, PathError};

@@ -54,8 +54,10 @@ struct Positions<S: Scalar> {
 
 impl<S: Scalar> Resolver for Positions<S> {
     fn new(tick_s: f64, shift_time_s: f64) -> Self {
-        let feedback =
-            Feedback::Dual { fraction: S::gain(fraction(tick_s, shift_time_s)), fade: ExponentialDecay::new(2000.0) };
+        let feedback = Feedback::Dual {
+            fraction: S::gain(fraction(tick_s, shift_time_s)),
+            fade: ExponentialDecay::new(2000.0),
+        };
         Self { feedback, state: State::default() }
     }
 

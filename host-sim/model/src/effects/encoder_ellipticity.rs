@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    EffectContext, EffectModel, Neighbours, PeriodicError, Prerequisite, Stage, Unit, Wording,
-    harmonic_effect,
+    EffectContext, EffectModel, Imitation, ImitationContext, Neighbours, PeriodicError, Prerequisite, Stage,
+    Unit, Wording, harmonic_effect,
 };
 use crate::axis::Settings;
 
@@ -56,6 +56,11 @@ impl EffectModel for EncoderEllipticity {
         let lead = context.axis.mechanics.lead_mm.filter(|_| is_tried);
         let guess = |lead_mm| Self { amplitude_um: 0.0, period_mm: 0.5 * lead_mm, phase_rad: 0.0 };
         lead.map(guess).into_iter().collect()
+    }
+
+    /// An error of the screw, where force and motor do not decide.
+    fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
+        context.jitters.then_some(Imitation::SCREW_WAVE).into_iter().collect()
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Draw, EffectContext, EffectModel, Found, Neighbours, PeriodicError, Prerequisite, Stage, Substitute,
-    Unit, WaveOf, Wording, harmonic, harmonic_effect,
+    Draw, EffectContext, EffectModel, Found, Imitation, ImitationContext, Neighbours, PeriodicError,
+    Prerequisite, Stage, Substitute, Unit, WaveOf, Wording, harmonic, harmonic_effect,
 };
 use crate::axis::Settings;
 
@@ -74,6 +74,15 @@ impl EffectModel for PitchCyclic {
     fn in_place_of(found: &Found<'_>) -> Option<Substitute<Self>> {
         let lead_mm = found.axis.mechanics.lead_mm.filter(|_| found.name == "resolver_dividing")?;
         harmonic::of_other_part(found, lead_mm).map(|wave| Substitute::alone(Self::of(wave)))
+    }
+
+    /// An error of the motor's reading, if a turn of the motor is a whole number of periods and force and motor do not decide.
+    fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
+        let repeats_with_motor = context.axis.mechanics.lead_mm.is_some_and(|lead_mm| {
+            let periods = lead_mm / self.period_mm;
+            periods > 0.5 && (periods - periods.round()).abs() < 0.01
+        });
+        (context.jitters && repeats_with_motor).then_some(Imitation::READING_WAVE).into_iter().collect()
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Draw, EffectContext, EffectModel, Found, Neighbours, PeriodicError, Prerequisite, Stage, Substitute,
-    Unit, WaveOf, Wording, harmonic, harmonic_effect,
+    Draw, EffectContext, EffectModel, Found, Imitation, ImitationContext, Neighbours, PeriodicError,
+    Prerequisite, Stage, Substitute, Unit, WaveOf, Wording, harmonic, harmonic_effect,
 };
 use crate::axis::Settings;
 
@@ -84,6 +84,11 @@ impl EffectModel for ResolverDividing {
     fn in_place_of(found: &Found<'_>) -> Option<Substitute<Self>> {
         let electrical_mm = Self::electrical_mm(found.axis).filter(|_| found.name == "pitch_cyclic")?;
         harmonic::of_other_part(found, electrical_mm).map(|wave| Substitute::alone(Self::of(wave)))
+    }
+
+    /// An error of the screw, where force and motor do not decide.
+    fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
+        context.jitters.then_some(Imitation::SCREW_WAVE).into_iter().collect()
     }
 
     fn sentence(&self, wording: &Wording) -> String {

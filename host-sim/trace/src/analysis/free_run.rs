@@ -88,7 +88,7 @@ fn run(
     let (mut squares, mut samples, mut runs) = (0.0, 0, 0);
     for start in (1..n).step_by(length).take_while(|start| start + length <= n) {
         let time_s = signals.start_s + start as f64 * sample_s;
-        let mut motion = steady_motion(parameters, motor.position[start], motor.velocity[start], time_s);
+        let mut motion = steady_motion(parameters, motor.value[start], motor.velocity[start], time_s);
         for (i, measured_m) in motor.raw.iter().enumerate().skip(start).take(length) {
             squares += (motion.motor_m - measured_m).powi(2);
             samples += 1;

@@ -192,7 +192,7 @@ mod tests {
         let rates = Rates { velocity_loop_hz: 1000.0, position_loop_divider: 1 };
         let options = TraceOptions::default();
         let data = FitData::new(&logs, &names, 0, rates, &options);
-        let positions = &logs[0].axes[0].table.as_ref().unwrap().position;
+        let positions = &logs[0].axes[0].table.as_ref().unwrap().value;
         let values = positions.iter().zip(0..).map(|(m, i)| residual(i, 1e3 * m)).collect();
         let residuals = [ResidualSeries { stage: Stage::Tool, log: 0, values }];
         unexplained(&data, &residuals, Stage::Tool, 0.01).unwrap()

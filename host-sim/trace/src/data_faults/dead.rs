@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 
 use super::channels::{SENSORS, references};
-use super::fault::{FaultKind, FaultHandling};
-use super::findings::{Findings, ChannelLocation};
+use super::fault::{FaultHandling, FaultKind};
+use super::findings::{ChannelLocation, Findings};
 use super::ratio::ratio;
 use crate::options::TraceOptions;
 use files::log::{AxisLog, Channel, Log};

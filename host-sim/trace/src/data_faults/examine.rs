@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use rayon::prelude::*;
 
 use super::fault::{DataFault, FaultHandling};
-use super::findings::{Findings, ChannelLocation};
+use super::findings::{ChannelLocation, Findings};
 use super::{
     agreement, dead, exchanged, hum, rate, repeated_rows, shifted, sign, slip, stuck, stuck_force, unit,
 };
@@ -115,7 +115,8 @@ fn without_repeated_rows<'a>(
 /// Leaves out each fit log with a removed channel if the logs without one are at least as long: a stage can be fitted only if
 /// all logs have its channels.
 fn leave_out(results: &mut Vec<(Cow<'_, Log>, Findings)>, faults: &mut Vec<DataFault>) {
-    let has_removed = |findings: &Findings| findings.faults.iter().any(|f| f.treatment == FaultHandling::Removed);
+    let has_removed =
+        |findings: &Findings| findings.faults.iter().any(|f| f.treatment == FaultHandling::Removed);
     let sound = results.iter().filter(|(_, findings)| !has_removed(findings)).map(|(log, _)| log.len());
     let sound: usize = sound.sum();
     results.retain_mut(|(log, findings)| {

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use super::channels::{POSITIONS, thinned};
 use super::difference::deviation;
-use super::fault::{FaultKind, FaultHandling};
-use super::findings::{Findings, ChannelLocation};
+use super::fault::{FaultHandling, FaultKind};
+use super::findings::{ChannelLocation, Findings};
 use crate::options::FaultOptions;
 use files::log::{Channel, Log};
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::channels;
 use super::excluded::Excluded;
-use super::fault::{DataFault, FaultKind, FaultHandling};
+use super::fault::{DataFault, FaultHandling, FaultKind};
 use files::log::{AxisLog, Channel, Log};
 use model::effects::Stage;
 

@@ -8,8 +8,8 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use super::fault::{DataFault, FaultKind, FaultHandling};
-use super::findings::{Findings, ChannelLocation};
+use super::fault::{DataFault, FaultHandling, FaultKind};
+use super::findings::{ChannelLocation, Findings};
 use super::steady_line::{BESIDE_HZ, Line, Signal, is_steady, lines, refined_hz};
 use files::log::{AxisLog, Channel, Log};
 
@@ -108,7 +108,11 @@ fn correct(log: &mut Cow<'_, Log>, may_be: &impl Fn(f64) -> bool, findings: &mut
         let fault = |(channel, hum): (Channel, Line)| {
             // Amplitudes of positions are in µm.
             let size = if channel == Channel::Force { 1.0 } else { 1e3 } * hum.amplitude();
-            let fault = ChannelLocation { log, axis, channel }.fault(FaultKind::Hum, Some(size), FaultHandling::Corrected);
+            let fault = ChannelLocation { log, axis, channel }.fault(
+                FaultKind::Hum,
+                Some(size),
+                FaultHandling::Corrected,
+            );
             DataFault { frequency_hz: Some(hum.frequency_hz), ..fault }
         };
         findings.faults.extend(hums.into_iter().map(fault));

@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use super::fault::{DataFault, FaultKind, FaultHandling};
+use super::fault::{DataFault, FaultHandling, FaultKind};
 use super::shifted::shifted;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;

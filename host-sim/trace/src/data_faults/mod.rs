@@ -36,4 +36,4 @@ pub mod stuck_force;
 pub mod unit;
 
 pub use examine::{Examined, examine, interpolate_lost_rows};
-pub use fault::{DataFault, FaultKind, FaultHandling};
+pub use fault::{DataFault, FaultHandling, FaultKind};

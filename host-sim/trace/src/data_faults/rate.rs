@@ -1,6 +1,6 @@
 //! Rate: each row of a log stands there several times, so that its true rate is a fraction of that which its times give.
 
-use super::fault::{DataFault, FaultKind, FaultHandling};
+use super::fault::{DataFault, FaultHandling, FaultKind};
 use files::error::InputError;
 use files::log::{Channel, Log};
 

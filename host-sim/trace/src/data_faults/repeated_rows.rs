@@ -8,8 +8,8 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use super::channels::{Accuracy, POSITIONS};
-use super::fault::{DataFault, FaultKind, FaultHandling};
-use super::findings::{Findings, ChannelLocation};
+use super::fault::{DataFault, FaultHandling, FaultKind};
+use super::findings::{ChannelLocation, Findings};
 use super::stuck::MAX_INTERPOLATED;
 use files::log::{AxisLog, Channel, Log};
 use model::effects::Stage;

@@ -5,8 +5,8 @@ use std::borrow::Cow;
 use super::bridge::bridge;
 use super::channels::{SENSORS, references, thinned};
 use super::difference::deviation;
-use super::fault::{FaultKind, FaultHandling};
-use super::findings::{Findings, ChannelLocation};
+use super::fault::{FaultHandling, FaultKind};
+use super::findings::{ChannelLocation, Findings};
 use crate::options::FaultOptions;
 use files::log::{Channel, Log};
 

@@ -1,8 +1,8 @@
 //! Sign: the reading decreases while the axis moves in the + direction.
 
 use super::agreement::tolerance;
-use super::fault::{FaultKind, FaultHandling};
-use super::findings::{Findings, ChannelLocation};
+use super::fault::{FaultHandling, FaultKind};
+use super::findings::{ChannelLocation, Findings};
 use crate::options::FaultOptions;
 use files::log::Channel;
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::bridge::bridge;
 use super::channels::{self, references};
 use super::fault::FaultKind;
-use super::findings::{Findings, ChannelLocation};
+use super::findings::{ChannelLocation, Findings};
 use super::jumps::{self, Jump, Relative};
 use super::spike::{self, Spike};
 use super::step::best_step;

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use super::bridge::bridge;
 use super::channels::{Accuracy, SENSORS, references};
-use super::fault::{DataFault, FaultKind, FaultHandling};
-use super::findings::{Findings, ChannelLocation};
+use super::fault::{DataFault, FaultHandling, FaultKind};
+use super::findings::{ChannelLocation, Findings};
 use super::jumps;
 use crate::options::FaultOptions;
 use files::log::Channel;

@@ -2,7 +2,7 @@
 
 use super::bridge::bridge;
 use super::fault::FaultKind;
-use super::findings::{Findings, ChannelLocation};
+use super::findings::{ChannelLocation, Findings};
 use crate::options::FaultOptions;
 use files::log::Channel;
 

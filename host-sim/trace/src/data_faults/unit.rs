@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 
 use super::channels::{SENSORS, stretches};
-use super::fault::{FaultKind, FaultHandling};
-use super::findings::{Findings, ChannelLocation};
+use super::fault::{FaultHandling, FaultKind};
+use super::findings::{ChannelLocation, Findings};
 use crate::input::smoothing::Smooth;
 use crate::options::{SampleOptions, TraceOptions};
 use files::log::{AxisLog, Channel, Log};
@@ -29,7 +29,12 @@ const FORCE_TOLERANCE: f64 = 2.0;
 
 /// Reports a position channel that moves by a factor of the others. It is converted if the factor is that of a unit.
 /// Returns whether it can be used.
-pub fn correct(values: &mut [f64], factor: f64, place: &ChannelLocation<'_>, findings: &mut Findings) -> bool {
+pub fn correct(
+    values: &mut [f64],
+    factor: f64,
+    place: &ChannelLocation<'_>,
+    findings: &mut Findings,
+) -> bool {
     let tolerance = if place.channel == Channel::Command { COMMAND_TOLERANCE } else { UNIT_TOLERANCE };
     let unit = UNITS.into_iter().find(|unit| (factor / unit - 1.0).abs() < tolerance);
     let treatment = if unit.is_some() { FaultHandling::Corrected } else { FaultHandling::Removed };

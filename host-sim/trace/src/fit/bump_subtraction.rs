@@ -53,7 +53,7 @@ impl BumpSubtraction<'_> {
     fn shape(&self, series: &ResidualSeries) -> Vec<Option<f64>> {
         let counts = self.data.counting(series.stage, series.log);
         let signals = &self.data.logs[series.log].axes[self.data.axis];
-        let position = signals.table_or_motor().map_or(&[][..], |signal| &signal.position);
+        let position = signals.table_or_motor().map_or(&[][..], |signal| &signal.value);
         let at =
             |sample: usize| position.get(sample).filter(|_| counts(sample)).map(|m| self.bump.at(1e3 * m));
         let shape: Vec<Option<f64>> = (0..series.values.len()).map(at).collect();

@@ -97,7 +97,7 @@ impl<'a> FitData<'a> {
     #[must_use]
     pub fn travel_mm(&self) -> [f64; 2] {
         let positions = (0..self.logs.len()).filter_map(|log| self.signals(log).table_or_motor());
-        let positions = positions.flat_map(|smooth| smooth.position.iter().map(|m| 1e3 * m));
+        let positions = positions.flat_map(|smooth| smooth.value.iter().map(|m| 1e3 * m));
         numerics::min_max(positions)
     }
 
@@ -138,7 +138,7 @@ impl<'a> FitData<'a> {
         let faulty = signals.faulty(stage);
         let is = |flags: &[bool], sample: usize| flags.get(sample).copied().unwrap_or(false);
         let position_mm = move |sample: usize| {
-            signals.table_or_motor().and_then(|signal| signal.position.get(sample)).map(|m| 1e3 * m)
+            signals.table_or_motor().and_then(|signal| signal.value.get(sample)).map(|m| 1e3 * m)
         };
         let is_excluded = move |sample: usize| {
             self.exclusions.iter().any(|exclusion| exclusion.covers(stage, || position_mm(sample)))

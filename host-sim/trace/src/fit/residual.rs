@@ -57,13 +57,13 @@ impl FitData<'_> {
             let mut values = match stage {
                 Stage::Table => self.table(model, parameters, &driven, log),
                 Stage::Force => {
-                    let measured = self.signals(log).force.as_ref().map_or(&[][..], |force| &force.position);
+                    let measured = self.signals(log).force.as_ref().map_or(&[][..], |force| &force.value);
                     difference(measured, &driven.force_n, 1.0, 0.0)
                 }
                 Stage::Motor => self.motor(model, parameters, self.signals(log)),
                 Stage::Tool => {
                     let tool = tool::tool(parameters, self.axis, self.names, &self.logs[log]);
-                    let measured = self.signals(log).tool.as_ref().map_or(&[][..], |tool| &tool.position);
+                    let measured = self.signals(log).tool.as_ref().map_or(&[][..], |tool| &tool.value);
                     difference(measured, &tool.unwrap_or_default(), 1e6, model.tool_zero_um)
                 }
             };
@@ -103,7 +103,7 @@ impl FitData<'_> {
 
     fn table(&self, model: &AxisModel, parameters: &AxisParameters, driven: &Driven, log: usize) -> Vec<f64> {
         let signals = self.signals(log);
-        let measured = signals.table.as_ref().map_or(&[][..], |table| &table.position);
+        let measured = signals.table.as_ref().map_or(&[][..], |table| &table.value);
         let log_of_axis = &self.logs[log];
         let time_s = |sample: usize| log_of_axis.start_s + sample as f64 * log_of_axis.sample_s;
         let table_m = driven.table_m.iter().enumerate();
@@ -215,7 +215,7 @@ impl FitData<'_> {
     pub fn noise_of_log(&self, model: &AxisModel, stage: Stage, log: usize) -> f64 {
         let signals = self.signals(log);
         let of = |smooth: &Option<Smooth>, value: fn(&Smooth) -> f64| smooth.as_ref().map_or(0.0, value);
-        let position = |smooth: &Option<Smooth>| 1e6 * of(smooth, |smooth| smooth.position_noise);
+        let position = |smooth: &Option<Smooth>| 1e6 * of(smooth, |smooth| smooth.value_noise);
         match stage {
             Stage::Motor => 1e6 * of(&signals.motor, |motor| motor.noise),
             Stage::Table => position(&signals.table).hypot(position(&signals.motor)),
@@ -227,7 +227,7 @@ impl FitData<'_> {
                 let axis = &model.axis.settings;
                 let mass = if axis.is_rigid() { axis.mechanics.table_mass_kg.unwrap_or(0.0) } else { 0.0 }
                     + axis.mechanics.motor_mass_kg.unwrap_or(0.0);
-                of(&signals.force, |force| force.position_noise)
+                of(&signals.force, |force| force.value_noise)
                     .hypot(mass * of(&signals.motor, |motor| motor.acceleration_noise))
             }
         }

@@ -74,7 +74,7 @@ fn tool_m(
     let own = runs[data.axis].as_ref()?;
     let position_m = |axis: usize, i: usize| match &runs[axis] {
         Some(run) => run.table_with_tool_m[i],
-        None => measured.axes[axis].table_or_motor().map_or(0.0, |table| table.position[i]),
+        None => measured.axes[axis].table_or_motor().map_or(0.0, |table| table.value[i]),
     };
     let axes = 0..data.names.len();
     let tool_m = |i: usize| {

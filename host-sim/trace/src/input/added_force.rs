@@ -23,7 +23,7 @@ impl AddedForce {
     /// The logged force after the filter, N.
     #[must_use]
     pub fn filtered_n(&self) -> &[f64] {
-        &self.logged.position
+        &self.logged.value
     }
 
     /// The force from each sample to the next, N. As the added force is part of the logged force, a `latency` of the force

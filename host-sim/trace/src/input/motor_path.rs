@@ -44,10 +44,10 @@ impl MotorPath {
         let per_sample = (sample_s / MAX_STEP_S).ceil().max(1.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
         let steps = per_sample as usize;
-        let mut points = Vec::with_capacity(motor.position.len() * steps);
-        let mut reading_m = motor.position.first().copied().unwrap_or(0.0);
+        let mut points = Vec::with_capacity(motor.value.len() * steps);
+        let mut reading_m = motor.value.first().copied().unwrap_or(0.0);
         points.extend(motor.acceleration.first().map(|&acceleration| Point { reading_m, acceleration }));
-        for i in 1..motor.position.len() {
+        for i in 1..motor.value.len() {
             let [before, after] = [motor.acceleration[i - 1], motor.acceleration[i]];
             for step in 1..=steps {
                 let fraction = step as f64 / per_sample;

@@ -222,21 +222,21 @@ fn sliding_from(motor: &Smooth, standstill: &[bool], sample_s: f64, options: &Sa
     if standstill.first().is_none_or(|&at_rest| at_rest) {
         return 0;
     }
-    let travel_m = numerics::peak_to_peak(motor.position.iter().copied());
+    let travel_m = numerics::peak_to_peak(motor.value.iter().copied());
     let far_m = (1e-6 * options.min_sliding_um).min(0.1 * travel_m);
-    let [mut least, mut most] = [motor.position[0]; 2];
+    let [mut least, mut most] = [motor.value[0]; 2];
     let has_slid = |&position: &f64| {
         (least, most) = (least.min(position), most.max(position));
         most - least >= far_m
     };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0.3 s of samples")]
     let latest = (options.settling_s / sample_s) as usize;
-    motor.position.iter().take(latest).position(has_slid).unwrap_or(latest.min(motor.position.len()))
+    motor.value.iter().take(latest).position(has_slid).unwrap_or(latest.min(motor.value.len()))
 }
 
 /// Whether each sample is within a standstill.
 fn standstill(motor: &Smooth, sample_s: f64, options: &SampleOptions) -> Vec<bool> {
-    let noise = motor.position_noise / (motor.half_window() as f64 * sample_s);
+    let noise = motor.value_noise / (motor.half_window() as f64 * sample_s);
     let slow = options.max_standstill_m_per_s.max(options.max_standstill_noise * noise);
     let mut standstill = vec![false; motor.velocity.len()];
     let mut start = 0;

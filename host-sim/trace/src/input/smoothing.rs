@@ -11,15 +11,15 @@ pub struct Smooth {
     /// Measured values.
     pub raw: Vec<f64>,
     /// Filtered values.
-    pub position: Vec<f64>,
-    /// Central difference of `position`, per s.
+    pub value: Vec<f64>,
+    /// Central difference of `value`, per s.
     pub velocity: Vec<f64>,
-    /// Second difference of `position`, per s².
+    /// Second difference of `value`, per s².
     pub acceleration: Vec<f64>,
     /// Standard deviation of the white noise of `raw`.
     pub noise: f64,
-    /// Standard deviation of that noise in `position`.
-    pub position_noise: f64,
+    /// Standard deviation of that noise in `value`.
+    pub value_noise: f64,
     /// Standard deviation of that noise in `acceleration`.
     pub acceleration_noise: f64,
     /// Standard deviation of the rounding to the steps of `raw`, below which its noise is not.
@@ -34,17 +34,17 @@ impl Smooth {
     #[must_use]
     pub fn new(raw: Vec<f64>, sample_s: f64, half_window: usize) -> Self {
         let cubic = Cubic::new(half_window);
-        let position = cubic.filtered(&raw);
-        let (velocity, acceleration) = differences(&position, sample_s);
+        let value = cubic.filtered(&raw);
+        let (velocity, acceleration) = differences(&value, sample_s);
         let rounding = rounding(&raw);
         let noise = noise(&raw).max(rounding);
         Self {
             noise,
             rounding,
-            position_noise: noise * norm(&cubic.middle),
+            value_noise: noise * norm(&cubic.middle),
             acceleration_noise: noise * norm(&second_difference(&cubic.middle)) / (sample_s * sample_s),
             raw,
-            position,
+            value,
             velocity,
             acceleration,
             half_window,
@@ -59,7 +59,7 @@ impl Smooth {
         if noise > 0.0 && self.noise > 0.0 {
             let factor = noise / self.noise;
             self.noise *= factor;
-            self.position_noise *= factor;
+            self.value_noise *= factor;
             self.acceleration_noise *= factor;
         }
     }
@@ -68,7 +68,7 @@ impl Smooth {
     #[must_use]
     #[inline]
     pub fn between(&self, i: usize, fraction: f64, sample_s: f64) -> f64 {
-        let (p0, p1) = (self.position[i], self.position[i + 1]);
+        let (p0, p1) = (self.value[i], self.value[i + 1]);
         let (m0, m1) = (self.velocity[i] * sample_s, self.velocity[i + 1] * sample_s);
         let rise = p1 - p0;
         let t = fraction;
@@ -221,7 +221,7 @@ mod tests {
         for i in [1, 3, 100, 198] {
             let t = f64::from(i) * dt;
             let i = usize::try_from(i).unwrap();
-            assert!((smooth.position[i] - f(t)).abs() < 1e-12);
+            assert!((smooth.value[i] - f(t)).abs() < 1e-12);
             // The error of a central difference of t³ is dt²: 40·1e-6.
             assert!((smooth.velocity[i] - (0.3 - 10.0 * t + 120.0 * t * t)).abs() < 5e-5);
             assert!((smooth.acceleration[i] - (-10.0 + 240.0 * t)).abs() < 1e-5);
@@ -258,11 +258,11 @@ mod tests {
         }
         let mut smooth = Smooth::new(raw, 1e-3, 5);
         let sigma = 1.0 / 3.0f64.sqrt();
-        let before = smooth.position_noise / smooth.noise;
+        let before = smooth.value_noise / smooth.noise;
         assert!(smooth.noise < 0.95 * sigma, "{}", smooth.noise);
         smooth.estimate_noise_without(&replaced);
         // The median over 300 stretches of 37 differences: 1 %, and 1 % below the mean, as χ² is skewed.
         assert!((0.96..1.02).contains(&(smooth.noise / sigma)), "{}", smooth.noise / sigma);
-        assert!((smooth.position_noise / smooth.noise - before).abs() < 1e-12);
+        assert!((smooth.value_noise / smooth.noise - before).abs() < 1e-12);
     }
 }

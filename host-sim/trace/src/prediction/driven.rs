@@ -177,7 +177,7 @@ mod tests {
         let driven = driven(&parameters, &input);
         let table = Smooth::new(simulated.table_m.clone(), 1e-3, 5);
         let error_nm: Vec<f64> =
-            table.position.iter().zip(&driven.table_m).skip(300).map(|(a, b)| 1e9 * (a - b)).collect();
+            table.value.iter().zip(&driven.table_m).skip(300).map(|(a, b)| 1e9 * (a - b)).collect();
         let rms = numerics::rms(error_nm.iter().copied());
         // 1 % of the stretch of 1 µm under 200 N, and half of the scale's noise.
         assert!(rms < 10.0, "{rms} nm");

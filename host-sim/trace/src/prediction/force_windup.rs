@@ -17,8 +17,8 @@ pub fn add_stretch(residual_um: &mut [f64], windup: Option<&ForceWindup>, signal
     let (Some(windup), Some(force), Some(motor)) = (windup, &signals.force, &signals.motor) else { return };
     let presliding_m = 1e-3 * windup.presliding_mm.unwrap_or(0.0).max(1e-9);
     let mut direction = 0.0;
-    let mut last = motor.position.first().copied().unwrap_or(0.0);
-    let directions = motor.position.iter().enumerate().map(|(i, &position)| {
+    let mut last = motor.value.first().copied().unwrap_or(0.0);
+    let directions = motor.value.iter().enumerate().map(|(i, &position)| {
         let step = position - last;
         last = position;
         if !signals.standstill.get(i).copied().unwrap_or(false) {
@@ -28,7 +28,7 @@ pub fn add_stretch(residual_um: &mut [f64], windup: Option<&ForceWindup>, signal
         direction
     });
     let directions = motor.filtered(&directions.collect::<Vec<_>>());
-    for ((residual, force), direction) in residual_um.iter_mut().zip(&force.position).zip(directions) {
+    for ((residual, force), direction) in residual_um.iter_mut().zip(&force.value).zip(directions) {
         *residual += windup.deflection_um(*force, direction);
     }
 }

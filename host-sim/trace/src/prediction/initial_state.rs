@@ -53,7 +53,7 @@ impl InitialState {
             });
         }
         let velocity = if is_constant { 0.0 } else { motor.velocity[0] };
-        let (motor_m, table_zero_m) = (motor.position[0], zero_m);
+        let (motor_m, table_zero_m) = (motor.value[0], zero_m);
         Some(Self { motor_m, velocity, table_m: None, is_settled: true, table_zero_m, time_s })
     }
 }

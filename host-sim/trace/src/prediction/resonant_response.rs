@@ -28,10 +28,10 @@ pub fn resonant_response(signal: &Smooth, resonance: &Resonance, sample_s: f64) 
             + whole[(row, 2)] * from
             + whole[(row, 3)] * slope
     };
-    let mut state = [signal.position[0], signal.velocity[0]];
-    let mut from = signal.position[0];
+    let mut state = [signal.value[0], signal.velocity[0]];
+    let mut from = signal.value[0];
     let mut result = vec![state[0]];
-    for i in 0..signal.position.len() - 1 {
+    for i in 0..signal.value.len() - 1 {
         for step in 1..=STEPS {
             let to = signal.between(i, step as f64 / STEPS as f64, sample_s);
             let slope = (to - from) / step_s;
@@ -61,7 +61,7 @@ mod tests {
         let (real, imaginary) = (1.0 - r * r, 2.0 * zeta * r);
         let (gain, phase) = (real.hypot(imaginary).recip(), -imaginary.atan2(real));
         // The filter attenuates the signal slightly; the reference is the amplitude of the filtered signal.
-        let size = numerics::max_abs(signal.position[1000..2000].iter().copied());
+        let size = numerics::max_abs(signal.value[1000..2000].iter().copied());
         for (i, value) in tool.iter().enumerate().skip(2000).take(900) {
             let expected = size * gain * (omega * 1e-3 * i as f64 + phase).sin();
             assert!((value - expected).abs() < 3e-3, "{i}: {value} {expected}");

@@ -51,7 +51,7 @@ fn simulated(parameters: &AxisParameters, measured: MeasuredMotor<'_>) -> TableM
     let mut table = SimulatedTable::new(parameters, measured);
     let mut steps = path.points[1..].chunks_exact(path.steps);
     let mut point = path.points[0];
-    for i in 0..motor.position.len() {
+    for i in 0..motor.value.len() {
         for &next in if i == 0 { &[][..] } else { steps.next().unwrap_or(&[]) } {
             point = next;
             table.step(point, path.step_s);
@@ -99,7 +99,7 @@ impl<'a> SimulatedTable<'a> {
             dividing_error: Differentiated::new(motor_m - first_m),
             screw_error: Differentiated::new(nominal_m - motor_m),
             table: DrivenTable::settled(parameters, screw),
-            motion: TableMotion::with_capacity(motor.position.len()),
+            motion: TableMotion::with_capacity(motor.value.len()),
         }
     }
 
@@ -135,7 +135,7 @@ impl<'a> SimulatedTable<'a> {
 
     /// The recorded motion, with the table filtered and its linear part added.
     fn filtered(self, motor: &Smooth) -> TableMotion {
-        let linear_m = |i: usize| motor.position[i] - self.stretch_s2 * motor.acceleration[i];
+        let linear_m = |i: usize| motor.value[i] - self.stretch_s2 * motor.acceleration[i];
         let nonlinear_m = motor.filtered(&self.motion.table_m).into_iter().enumerate();
         TableMotion { table_m: nonlinear_m.map(|(i, m)| m + linear_m(i)).collect(), ..self.motion }
     }

@@ -21,25 +21,25 @@ pub fn tool(
     let tables: Vec<Option<&Smooth>> = signals.axes.iter().map(AxisSignals::table_or_motor).collect();
     let own = tables.get(axis).copied().flatten()?;
     let is_scale = signals.axes[axis].table.is_some();
-    let mut tool_m = own.position.clone();
+    let mut tool_m = own.value.clone();
     for resonance in &parameters.tool.resonances {
         let response = resonant_response(own, resonance, signals.sample_s);
-        let offsets = response.iter().zip(&own.position).map(|(response, table)| response - table);
+        let offsets = response.iter().zip(&own.value).map(|(response, table)| response - table);
         tool_m.iter_mut().zip(offsets).for_each(|(tool, offset)| *tool += resonance.participation * offset);
     }
     let mut positions = vec![0.0; names.len()];
     let mut accelerations = vec![0.0; names.len()];
     for (i, position_m) in tool_m.iter_mut().enumerate() {
         for (other, table) in tables.iter().enumerate() {
-            positions[other] = table.map_or(0.0, |table| table.position[i]);
+            positions[other] = table.map_or(0.0, |table| table.value[i]);
             accelerations[other] = table.map_or(0.0, |table| table.acceleration[i]);
         }
         let all = Tables { names, position_m: &positions, acceleration: &accelerations };
         let time_s = signals.start_s + i as f64 * signals.sample_s;
         *position_m += tool_point::offset_m(&parameters.tool, axis, &all, time_s);
         if is_scale {
-            *position_m -= parameters.scale.error_m(own.position[i], time_s)
-                - parameters.scale.displacement_m(own.position[i], time_s);
+            *position_m -= parameters.scale.error_m(own.value[i], time_s)
+                - parameters.scale.displacement_m(own.value[i], time_s);
         }
     }
     let table_late_s =

@@ -183,8 +183,8 @@ impl MotionRange {
     fn of(logs: &[Signals], axis: usize, min_travel_mm: f64) -> Option<Self> {
         let signals = || logs.iter().filter_map(|log| log.axes.get(axis)?.table_or_motor());
         let greatest = |of: &dyn Fn(&Smooth) -> f64| signals().map(of).reduce(f64::max);
-        let max = greatest(&|s| numerics::max(s.position.iter().copied()))?;
-        let min = -greatest(&|s| numerics::max(s.position.iter().map(|m| -m)))?;
+        let max = greatest(&|s| numerics::max(s.value.iter().copied()))?;
+        let min = -greatest(&|s| numerics::max(s.value.iter().map(|m| -m)))?;
         let speed = greatest(&|s| numerics::max_abs(s.velocity.iter().copied()))?;
         let acceleration = greatest(&|s| numerics::max_abs(s.acceleration.iter().copied()))?;
         // An axis at rest in the logs has no range of motion.

@@ -233,7 +233,8 @@ impl EffectSearch<'_> {
     ) -> Option<(usize, Fitted)> {
         let check = LoopCheck { data: self.data, servo: self.servo.as_ref(), scope };
         let at_limit = |candidate: &Candidate| {
-            let passes_significance = candidate.limit.is_some() && candidate.passes_significance(&data.options.search);
+            let passes_significance =
+                candidate.limit.is_some() && candidate.passes_significance(&data.options.search);
             passes_significance.then(|| candidate.effect.clone())
         };
         let all_limited: Vec<Effect> = candidates.iter().filter_map(at_limit).collect();

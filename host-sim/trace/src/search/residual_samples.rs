@@ -30,7 +30,7 @@ pub fn samples(data: &FitData<'_>, residuals: &[ResidualSeries], stage: Stage) -
         let counts = data.counting(stage, series.log);
         let fold_of = |i: usize| i * BLOCKS / series.values.len() % FOLDS;
         for i in (0..series.values.len()).filter(|&i| counts(i)) {
-            let (position_mm, velocity) = (1e3 * motor.position[i], motor.velocity[i]);
+            let (position_mm, velocity) = (1e3 * motor.value[i], motor.velocity[i]);
             let direction = 1.0f64.copysign(velocity);
             rows.push([1.0, position_mm, direction, velocity, motor.acceleration[i]]);
             samples.push(Sample { position_mm, direction, residual: series.values[i], fold: fold_of(i) });

@@ -49,7 +49,8 @@ impl Round {
 pub fn refused_at_limit(rounds: &[Round]) -> Vec<ParameterAtLimit> {
     let last = rounds.iter().filter(|round| round.added.is_none());
     let limit = |round: &Round| {
-        let supported = round.candidates.iter().filter(|candidate| candidate.passes_significance(&round.options));
+        let supported =
+            round.candidates.iter().filter(|candidate| candidate.passes_significance(&round.options));
         supported.filter_map(|candidate| candidate.limit.clone()).collect::<Vec<_>>()
     };
     last.flat_map(limit).collect()

@@ -17,7 +17,9 @@ fn row(kind: &Kind) -> String {
         .map_or_else(|| format!("`{}`", kind.name), |key| format!("`{}` with `{key}`", kind.name));
     match treatment::of(&example(kind)) {
         EffectCompensation::Compensated(does) => format!("| {name} | {does} | |\n"),
-        EffectCompensation::Not { why, instead } => format!("| {name} | not compensated: {why} | {instead} |\n"),
+        EffectCompensation::Not { why, instead } => {
+            format!("| {name} | not compensated: {why} | {instead} |\n")
+        }
     }
 }
 

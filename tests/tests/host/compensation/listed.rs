@@ -28,7 +28,8 @@ pub fn example(kind: &Kind) -> Effect {
 
 #[test]
 fn each_compensated_effect_of_the_catalogue_is_tested() {
-    let is_compensated = |kind: &&Kind| matches!(treatment::of(&example(kind)), EffectCompensation::Compensated(_));
+    let is_compensated =
+        |kind: &&Kind| matches!(treatment::of(&example(kind)), EffectCompensation::Compensated(_));
     let compensated: BTreeSet<&str> = KINDS.iter().filter(is_compensated).map(|kind| kind.name).collect();
     assert_eq!(TESTED.iter().copied().collect::<BTreeSet<_>>(), compensated);
 }
@@ -57,7 +58,9 @@ fn what_is_not_compensated_is_listed_with_its_reason() {
     let machine = machine(&text);
     let plan = plan(&machine, &usual());
     for effect in &machine.axis["x"].effect {
-        let EffectCompensation::Not { why, instead } = treatment::of(effect) else { panic!("{}", effect.name()) };
+        let EffectCompensation::Not { why, instead } = treatment::of(effect) else {
+            panic!("{}", effect.name())
+        };
         let listed = plan.not_compensated.iter().find(|not| not.effect == effect.name() && not.axis == "x");
         let listed = listed.unwrap_or_else(|| panic!("{} is not listed", effect.name()));
         assert_eq!((listed.why.as_str(), listed.instead.as_str()), (why, instead));

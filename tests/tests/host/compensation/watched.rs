@@ -28,7 +28,8 @@ fn planned(model: &Machine, tests: &[TestMotion]) -> Plan {
 /// Contour error without noise, µm rms, with a seed that the plan has not seen.
 fn error_um(machine: &Machine, file: &CompensationFile, text: &str) -> f64 {
     let instruments = Instruments::of(machine, 77);
-    let log = prediction::log(machine, file, &motion(text, 0.0), (instruments, ControllerHost::Host)).unwrap();
+    let log =
+        prediction::log(machine, file, &motion(text, 0.0), (instruments, ControllerHost::Host)).unwrap();
     LoggedMotion::of(&log).unwrap().contour_error().unwrap().rms_without_noise_um()
 }
 

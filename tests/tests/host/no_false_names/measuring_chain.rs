@@ -4,8 +4,10 @@ use files::log::{AxisLog, Log};
 use numerics::resample::delayed_cubic;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use self_test::case::Case;
 use self_test::draw;
 use self_test::gap::CONTROLLER_KEYS;
+use self_test::kind::Kind;
 use self_test::pickup::Filter;
 use self_test::plant::{Mechanics, Sinusoid};
 use trace::Trace;
@@ -402,4 +404,37 @@ fn without_the_gains_of_the_loop_the_masses_are_not_divided() {
         let trace = machine.trace();
         assert_eq!((certain(&trace), beyond_tolerance(&trace)), (vec![], vec![]), "{}", context(&trace));
     }
+}
+
+/// Once: `resolver_dividing`, certain, where the screw had the error. Both look alike in the table; force and motor, which decide
+/// between them, have errors of 100 N and 2 µm by the jitter.
+#[test]
+fn a_wave_of_the_screw_beside_instants_that_jitter_is_no_certain_error_of_the_reading() {
+    let case = Case::draw_kind(Kind::Sensors, 35, 14).unwrap();
+    let traced = trace::trace(&case.machine, &case.fit, &case.validate, &|_| {}).unwrap();
+    assert_eq!((certain(&traced), beyond_tolerance(&traced)), (vec![], vec![]), "{}", context(&traced));
+    let names = ["pitch_cyclic", "resolver_dividing"];
+    let wave = traced.axes[1].found.iter().find(|found| names.contains(&found.effect.name())).unwrap();
+    let rivals = wave.rival_names();
+    let other = names.iter().find(|name| **name != wave.effect.name()).unwrap();
+    assert!(rivals.contains(other), "{}", context(&traced));
+}
+
+/// A stiffness that varies along the travel. Once: "table mass 13.1 ± 0.1 % above", with the search for the motor mass and for the
+/// stiffness stopped at bounds.
+#[test]
+fn a_value_beside_others_at_their_bounds_is_not_beyond_its_tolerance() {
+    let case = Case::draw_kind(Kind::Sensors, 35, 67).unwrap();
+    let traced = trace::trace(&case.machine, &case.fit, &case.validate, &|_| {}).unwrap();
+    assert_eq!(
+        (certain(&traced), beyond_tolerance(&traced)),
+        (vec![("y", "torque_ripple")], vec![]),
+        "{}",
+        context(&traced)
+    );
+    assert!(
+        traced.axes[0].declared_values.iter().any(|value| value.is_undetermined()),
+        "{}",
+        context(&traced)
+    );
 }

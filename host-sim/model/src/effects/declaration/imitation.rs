@@ -37,6 +37,9 @@ pub struct ImitationContext<'a> {
     pub session_s: f64,
     /// Whether the tool follows the readings of the linear scale but for noise, and not for an error over its position.
     pub tool_follows_scale: bool,
+    /// Whether rows were read at instants that jitter. Force and motor, which then have errors of the size of their effects, do not
+    /// decide between an error of the motor's reading and one of the screw.
+    pub jitters: bool,
 }
 
 impl Imitation {
@@ -59,6 +62,20 @@ impl Imitation {
         name: "scale_cyclic",
         clause: "the linear scale reads positions with this error",
         decided_by: "a probe whose readings follow the table over the travel",
+    };
+
+    /// A periodic error of the screw's pitch.
+    pub const SCREW_WAVE: Self = Self {
+        name: "pitch_cyclic",
+        clause: "the screw has a periodic error of this period",
+        decided_by: Self::CLOCK.decided_by,
+    };
+
+    /// A periodic error of the motor's reading.
+    pub const READING_WAVE: Self = Self {
+        name: "resolver_dividing",
+        clause: "the motor's reading has a periodic error of this period",
+        decided_by: Self::CLOCK.decided_by,
     };
 
     /// Rows that were read before or after the instants of their times.
