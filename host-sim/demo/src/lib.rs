@@ -230,7 +230,7 @@ impl Traced {
     /// decreases by more than its noise, the stage with the largest residual relative to its noise.
     #[must_use]
     pub fn headline(&self) -> Option<Headline> {
-        let errors = || self.axis().into_iter().flat_map(|axis| &axis.errors);
+        let errors = || self.axis().into_iter().flat_map(|axis| &axis.residuals);
         let positions = || errors().filter(|error| error.stage != Stage::Force);
         let max_by = |of: fn(&StageResidual) -> f64| positions().max_by(|a, b| of(a).total_cmp(&of(b)));
         let decrease = |error: &StageResidual| (error.before.validate - error.after.validate) / error.noise;

@@ -26,7 +26,7 @@ impl<'a> AxisView<'a> {
             let residuals = |model: &AxisModel| {
                 axis.scopes.iter().flat_map(|scope| data.residuals(model, scope)).collect()
             };
-            let (before, after) = (residuals(&axis.declared), residuals(&axis.model));
+            let (before, after) = (residuals(&axis.baseline), residuals(&axis.model));
             Self { trace: axis, data, before, after }
         };
         trace.axes.iter().enumerate().map(of_axis).collect()

@@ -26,7 +26,7 @@ fn list_residuals(
             significant(residual / error.noise, 2),
         )
     };
-    let listed: Vec<String> = axis.errors.iter().filter(|error| is_listed(error)).map(of_stage).collect();
+    let listed: Vec<String> = axis.residuals.iter().filter(|error| is_listed(error)).map(of_stage).collect();
     (!listed.is_empty()).then(|| listed.join(", "))
 }
 

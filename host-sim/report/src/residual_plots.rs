@@ -64,7 +64,7 @@ fn panel(trace: &Trace, view: &AxisView<'_>, stage: Stage) -> Markup {
 
 /// The stages of an axis in the order of the chain.
 fn stages_of(view: &AxisView<'_>) -> Vec<Stage> {
-    let mut stages: Vec<Stage> = view.trace.errors.iter().map(|error| error.stage).collect();
+    let mut stages: Vec<Stage> = view.trace.residuals.iter().map(|error| error.stage).collect();
     stages.sort();
     stages
 }
@@ -92,7 +92,7 @@ fn variables(view: &AxisView<'_>, stage: Stage) -> Vec<Abscissa> {
         variables.extend(touching.map(|found| of_effect(&found.effect, view)));
     }
     if variables.is_empty() {
-        let remainder = view.trace.unexplained.iter().find(|remainder| remainder.channel == stage);
+        let remainder = view.trace.unexplained.iter().find(|remainder| remainder.stage == stage);
         variables.extend(remainder.and_then(|r| of_residual(r.variable, view)));
     }
     variables

@@ -21,7 +21,7 @@ use trace::{Task, Trace};
 /// The reduction of the residual by a table over a variable.
 #[must_use]
 pub fn table(axis: &AxisTrace, table: &Empirical) -> String {
-    let (unit, _) = residual_unit(axis.unit, table.channel);
+    let (unit, _) = residual_unit(axis.unit, table.stage);
     let over = match table.variable {
         Variable::Time | Variable::None => "time",
         Variable::Position => "the position",
@@ -39,7 +39,7 @@ pub fn table(axis: &AxisTrace, table: &Empirical) -> String {
         "{}, {}: a table over {over} ({} points) changes the remaining residual on held-out motions from {before} \
          to {after} {unit} rms{}.",
         table.axis,
-        stage_names(&[table.channel]),
+        stage_names(&[table.stage]),
         table.table.len(),
         if helps { "" } else { ", which is no significant improvement" }
     )
@@ -130,7 +130,7 @@ fn of_force_scale(axis: &AxisTrace) -> Option<String> {
 /// that no effect was found; refuted effects, and effects with a parameter at a limit.
 #[must_use]
 pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
-    if axis.errors.is_empty() {
+    if axis.residuals.is_empty() {
         return vec![format!(
             "{}: no stage could be evaluated with these logs and this machine file.",
             axis.axis
@@ -194,8 +194,8 @@ pub fn summary(trace: &Trace) -> Vec<String> {
 /// The remaining residual of a stage.
 #[must_use]
 pub fn remainder(axis: &AxisTrace, rest: &UnexplainedResidual) -> String {
-    let (unit, _) = residual_unit(axis.unit, rest.channel);
-    let noise = axis.error(rest.channel).map_or(0.0, |error| error.noise);
+    let (unit, _) = residual_unit(axis.unit, rest.stage);
+    let noise = axis.residual(rest.stage).map_or(0.0, |error| error.noise);
     let share = percent(rest.share_percent);
     let dependence = match rest.variable {
         Variable::None => "it does not depend on any of the variables tested".to_owned(),
@@ -222,7 +222,7 @@ pub fn remainder(axis: &AxisTrace, rest: &UnexplainedResidual) -> String {
     format!(
         "{}, {}: residual on the fitted logs {} {unit} rms, sensor noise {} {unit}; {dependence}.",
         axis.axis,
-        stage_names(&[rest.channel]),
+        stage_names(&[rest.stage]),
         significant(rest.rms, 3),
         significant(noise, 3),
     )
@@ -231,12 +231,12 @@ pub fn remainder(axis: &AxisTrace, rest: &UnexplainedResidual) -> String {
 /// The repeatable and the non-repeatable part of the residual of a stage.
 #[must_use]
 pub fn repeats(axis: &AxisTrace, part: &Repeatability) -> String {
-    let (unit, _) = residual_unit(axis.unit, part.channel);
+    let (unit, _) = residual_unit(axis.unit, part.stage);
     format!(
         "{}, {}: the motion repeats every {} s; {} {unit} rms of the remaining residual are repeatable, {} {unit} \
          are not and cannot be removed by any model.",
         axis.axis,
-        stage_names(&[part.channel]),
+        stage_names(&[part.stage]),
         significant(part.period_s, 4),
         significant(part.repeatable, 3),
         significant(part.non_repeatable, 3),
@@ -258,7 +258,7 @@ pub fn open_ends(axis: &AxisTrace) -> Vec<String> {
             keys.join(", ")
         )
     });
-    let more = axis.errors.iter().filter(|e| e.after.validate > MIN_RATIO * e.after.fit.max(e.noise)).map(|error| {
+    let more = axis.residuals.iter().filter(|e| e.after.validate > MIN_RATIO * e.after.fit.max(e.noise)).map(|error| {
         let (unit, _) = residual_unit(axis.unit, error.stage);
         format!(
             "{}, {}: residual on held-out motions {} {unit} rms, {} times that on the fitted ones: the held-out \
@@ -272,7 +272,7 @@ pub fn open_ends(axis: &AxisTrace) -> Vec<String> {
     bounds
         .into_iter()
         .chain(more)
-        .chain(axis.errors.iter().filter_map(|error| caveats::worse(axis, error)))
+        .chain(axis.residuals.iter().filter_map(|error| caveats::worse(axis, error)))
         .collect()
 }
 

@@ -16,7 +16,7 @@ const RESIDUALS_NOTE: &str = "Rms values. Fit: on the logs used in the fit. Vali
 
 /// Residuals before and after, by axis and stage; empty if no stage could be evaluated.
 pub fn errors(axes: &[AxisTrace]) -> Markup {
-    if axes.iter().all(|axis| axis.errors.is_empty()) {
+    if axes.iter().all(|axis| axis.residuals.is_empty()) {
         return Markup::default();
     }
     html! {
@@ -48,7 +48,7 @@ pub fn errors(axes: &[AxisTrace]) -> Markup {
 }
 
 fn in_order_of_stages(axis: &AxisTrace) -> Vec<&StageResidual> {
-    let mut errors: Vec<&StageResidual> = axis.errors.iter().collect();
+    let mut errors: Vec<&StageResidual> = axis.residuals.iter().collect();
     errors.sort_by_key(|error| error.stage);
     errors
 }

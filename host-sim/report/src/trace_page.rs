@@ -120,8 +120,8 @@ fn explained_stages(axis: &AxisTrace) -> Vec<String> {
     const MAX_NOISE_MULTIPLE: f64 = 1.5;
     let is_explained = |error: &&StageResidual| {
         let is_noise = error.after.validate <= MAX_NOISE_MULTIPLE * error.noise;
-        is_noise && !axis.unexplained.iter().any(|entry| entry.channel == error.stage)
+        is_noise && !axis.unexplained.iter().any(|entry| entry.stage == error.stage)
     };
-    let explained = axis.errors.iter().filter(is_explained);
+    let explained = axis.residuals.iter().filter(is_explained);
     explained.map(|error| format!("{} {}", axis.axis, stage_names(&[error.stage]))).collect()
 }

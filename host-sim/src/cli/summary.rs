@@ -19,7 +19,7 @@ pub fn of_trace(trace: &Trace) -> String {
         "", "", "unit", "fit", "held out", "fit", "held out"
     ));
     for axis in &trace.axes {
-        lines.extend(axis.errors.iter().map(|error| row(axis, error)));
+        lines.extend(axis.residuals.iter().map(|error| row(axis, error)));
     }
     let remarks = remarks(trace);
     if !remarks.is_empty() {

@@ -65,7 +65,7 @@ pub fn trace(
     };
     // What the validation logs refute.
     let stages: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
-    let axis = drift_rate::with_rates(fit_data, FittedAxis { declared: before.clone(), model, fits });
+    let axis = drift_rate::with_rates(fit_data, FittedAxis { baseline: before.clone(), model, fits });
     let Confirmed { axis, mut found, refused, refuted } =
         confirm([fit_data, validate], axis, &stages, &rounds, progress);
     let fitted_scopes = FittedScope::of(&axis.fits);
@@ -81,7 +81,7 @@ pub fn trace(
     let before = stage.shown_before(task, declared, [before, model.clone()]);
     // What remains.
     let (model, remains) = stage.with_tables(request, validate, [&before, &model], &exclusions);
-    let Remainder { errors, unexplained, repeats, tables } = remains;
+    let Remainder { errors: residuals, unexplained, repeats, tables } = remains;
     let ambiguities = named_ambiguities(&rounds, &mut found);
     alignment::doubt(fit_data, &model, &scopes, &mut found);
     AxisTrace {
@@ -96,7 +96,7 @@ pub fn trace(
         declared_values,
         has_force_scale: false,
         is_of_another_machine,
-        declared: before,
+        baseline: before,
         model,
         scopes,
         fitted_scopes,
@@ -106,7 +106,7 @@ pub fn trace(
         refused,
         refuted,
         tool_slopes,
-        errors,
+        residuals,
         unexplained,
         repeats,
         tables,

@@ -41,7 +41,7 @@ pub fn state_doubts(trace: &mut Trace) {
 
 /// Whether the channels of an axis share their noise: see [`common_noise`].
 fn has_common_noise(axis: &AxisTrace) -> bool {
-    axis.errors.iter().any(|error| common_noise::is_common(error.stage, error.after.fit, error.noise))
+    axis.residuals.iter().any(|error| common_noise::is_common(error.stage, error.after.fit, error.noise))
 }
 
 /// Whether instants that jitter may explain an effect: what is found in the stages of force and motor, which are no differences of
@@ -67,7 +67,7 @@ fn of_axis(
     Logged { has_table, session_s, jitters }: Logged,
     options: &VerdictOptions,
 ) {
-    let stages: Vec<Stage> = axis.errors.iter().map(|error| error.stage).collect();
+    let stages: Vec<Stage> = axis.residuals.iter().map(|error| error.stage).collect();
     let Some(declared) = machine.axis.get(&axis.axis) else { return };
     let determined = axis.declared_values.iter().filter(|value| value.is_determined());
     let fitted_to_declared: Vec<f64> = determined.map(|value| value.fitted / value.declared).collect();
@@ -87,10 +87,10 @@ fn of_axis(
             jitters,
         };
         found.imitations = found.effect.imitations(&context);
-        if jitters && is_within_jitter(found, &axis.errors) {
+        if jitters && is_within_jitter(found, &axis.residuals) {
             found.imitations.push(Imitation::CLOCK);
         }
-        let shown = axis.errors.iter().filter(|error| is_shown(found, error.stage));
+        let shown = axis.residuals.iter().filter(|error| is_shown(found, error.stage));
         let remaining =
             shown.map(|error| Remaining { stage: error.stage, to_noise: ratio_to_noise(error, options) });
         let largest = remaining.max_by(|a, b| a.to_noise.total_cmp(&b.to_noise));
@@ -104,9 +104,9 @@ fn follows_scale(axis: &AxisTrace, options: &VerdictOptions) -> bool {
     let depends_on_position = axis
         .unexplained
         .iter()
-        .any(|residual| residual.channel == Stage::Tool && residual.variable == Variable::Position);
+        .any(|residual| residual.stage == Stage::Tool && residual.variable == Variable::Position);
     let is_left = |tool: &StageResidual| ratio_to_noise(tool, options) >= options.max_certain_ratio;
-    axis.error(Stage::Tool).is_some_and(|tool| !(is_left(tool) && depends_on_position))
+    axis.residual(Stage::Tool).is_some_and(|tool| !(is_left(tool) && depends_on_position))
 }
 
 /// Withdraws that declared values are outside their tolerance
@@ -118,7 +118,7 @@ fn follows_scale(axis: &AxisTrace, options: &VerdictOptions) -> bool {
 /// - where the scale of the logged force explains all of them: together with the gain of the loop, which contradicts the masses by
 ///   the same factor, or where no loop could be evaluated or described.
 fn withdraw_declared(axis: &mut AxisTrace, jitters: bool, options: &VerdictOptions) {
-    let (motor, has_force) = (axis.error(Stage::Motor), axis.error(Stage::Force).is_some());
+    let (motor, has_force) = (axis.residual(Stage::Motor), axis.residual(Stage::Force).is_some());
     let has_loop = !axis.is_of_another_machine && motor.is_some();
     let is_loop_unknown = motor.is_some_and(|motor| ratio_to_noise(motor, options) > MAX_LOOP_RATIO);
     let mut imitations = axis.found.iter().flat_map(|found| &found.imitations);

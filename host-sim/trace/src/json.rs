@@ -23,7 +23,7 @@ use model::effects::{Effect, Stage};
 #[must_use]
 pub fn of(trace: &Trace, with_tables: bool) -> Value {
     let residual: Vec<Value> =
-        trace.axes.iter().flat_map(|axis| axis.errors.iter().map(move |e| residual(axis, e))).collect();
+        trace.axes.iter().flat_map(|axis| axis.residuals.iter().map(move |e| residual(axis, e))).collect();
     let of_axis = |axis| move |residual| unexplained(axis, residual);
     let unexplained: Vec<Value> =
         trace.axes.iter().flat_map(|axis| axis.unexplained.iter().map(of_axis(axis))).collect();
@@ -167,7 +167,7 @@ fn free_run(axis: &AxisTrace, run: &FreeRun) -> Value {
 fn repeatability(axis: &AxisTrace, split: &Repeatability) -> Value {
     let mut entry = json!(split);
     if let Value::Object(entry) = &mut entry {
-        let (_, unit) = residual_unit(axis.unit, split.channel);
+        let (_, unit) = residual_unit(axis.unit, split.stage);
         entry.insert(format!("repeatable_{unit}"), json!(split.repeatable));
         entry.insert(format!("non_repeatable_{unit}"), json!(split.non_repeatable));
     }
@@ -177,7 +177,7 @@ fn repeatability(axis: &AxisTrace, split: &Repeatability) -> Value {
 fn unexplained(axis: &AxisTrace, residual: &UnexplainedResidual) -> Value {
     let mut entry = json!(residual);
     if let Value::Object(entry) = &mut entry {
-        let (_, unit) = residual_unit(axis.unit, residual.channel);
+        let (_, unit) = residual_unit(axis.unit, residual.stage);
         entry.insert(format!("rms_{unit}"), json!(residual.rms));
         if axis.unit == Unit::Degree
             && let Some(centre) = entry.remove("centre_mm")

@@ -246,9 +246,9 @@ mod tests {
         log.axes[0].table = log.axes[0].motor.clone();
         let trace = trace(&machine, &[log], &[], &|_| {}).unwrap();
         assert!(
-            trace.axes[0].errors.iter().all(|error| error.stage != Stage::Force),
+            trace.axes[0].residuals.iter().all(|error| error.stage != Stage::Force),
             "{:?}",
-            trace.axes[0].errors
+            trace.axes[0].residuals
         );
     }
 

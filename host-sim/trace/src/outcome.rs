@@ -58,7 +58,7 @@ pub struct AxisTrace {
     /// Faults of its data, found before any fit.
     pub data_faults: Vec<DataFault>,
     /// The declared model, fitted.
-    pub declared: AxisModel,
+    pub baseline: AxisModel,
     /// The declared mechanical values, as fitted with the effects found.
     pub declared_values: Vec<DeclaredValue>,
     /// Whether the scale of the logged force may be wrong, instead of masses, stiffness, friction and the gain of the loop.
@@ -86,8 +86,8 @@ pub struct AxisTrace {
     pub refuted: Vec<FoundEffect>,
     /// Slopes of the tool over the tables, whether or not an effect was found.
     pub tool_slopes: ToolSlopes,
-    /// Errors by stage.
-    pub errors: Vec<StageResidual>,
+    /// Residuals by stage.
+    pub residuals: Vec<StageResidual>,
     /// Error of the tracer's own simulation on the validation logs.
     pub bias: Vec<ResidualSeries>,
     /// Residuals above the noise.
@@ -104,7 +104,7 @@ pub struct AxisTrace {
     pub rounds: Vec<Round>,
 }
 
-/// The error of one stage, µm or N.
+/// The residual of one stage, µm or N.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StageResidual {
     /// Stage.
@@ -122,10 +122,10 @@ pub struct StageResidual {
 }
 
 impl AxisTrace {
-    /// The error of a stage, if it was evaluated.
+    /// The residual of a stage, if it was evaluated.
     #[must_use]
-    pub fn error(&self, stage: Stage) -> Option<&StageResidual> {
-        self.errors.iter().find(|error| error.stage == stage)
+    pub fn residual(&self, stage: Stage) -> Option<&StageResidual> {
+        self.residuals.iter().find(|residual| residual.stage == stage)
     }
 }
 

@@ -20,7 +20,7 @@ pub enum Verdict {
 /// The verdict on a machine: the worst of its axes. `Unexplained` if no stage of any axis could be evaluated.
 #[must_use]
 pub fn of(trace: &Trace) -> Verdict {
-    if trace.axes.iter().all(|axis| axis.errors.is_empty()) {
+    if trace.axes.iter().all(|axis| axis.residuals.is_empty()) {
         return Verdict::Unexplained;
     }
     trace.axes.iter().map(of_axis).max().unwrap_or(Verdict::Explained)
@@ -29,10 +29,10 @@ pub fn of(trace: &Trace) -> Verdict {
 /// The verdict on one axis.
 #[must_use]
 pub fn of_axis(axis: &AxisTrace) -> Verdict {
-    if axis.is_of_another_machine || axis.errors.iter().any(is_gross) {
+    if axis.is_of_another_machine || axis.residuals.iter().any(is_gross) {
         Verdict::ModelDoesNotFit
     } else if !axis.unexplained.is_empty()
-        || axis.errors.iter().any(is_gross_held_out)
+        || axis.residuals.iter().any(is_gross_held_out)
         || axis.data_faults.iter().any(|fault| fault.treatment == FaultHandling::Removed)
     {
         Verdict::Unexplained

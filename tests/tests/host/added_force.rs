@@ -206,7 +206,7 @@ fn a_trace_with_an_added_force_finds_no_effect() {
         let trace = trace(&machine, &[log], &[], &|_| {}).unwrap();
         let axis = &trace.axes[0];
         let found: Vec<String> = axis.found.iter().map(|found| found.effect.name().to_owned()).collect();
-        (found, *axis.errors.iter().find(|error| error.stage == Stage::Motor).unwrap())
+        (found, *axis.residuals.iter().find(|error| error.stage == Stage::Motor).unwrap())
     };
     let (found, error) = motor(with_channel(&log, 1.0, 0));
     assert!(found.is_empty(), "{found:?}");

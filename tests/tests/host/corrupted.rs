@@ -80,7 +80,7 @@ fn an_effect_that_the_validation_log_refutes_is_listed_with_both_residuals() {
     // tolerance of 10 %: at most 0.13 µm of 250 N/(200 N/µm) = 1.25 µm.
     assert!(refuted.before.validate < 0.13, "{refuted:?}");
     // The reported model is the one without the effect.
-    let table = axis.errors.iter().find(|error| error.stage == refuted.stage).unwrap();
+    let table = axis.residuals.iter().find(|error| error.stage == refuted.stage).unwrap();
     assert!((table.after.validate / refuted.before.validate - 1.0).abs() < 1e-9, "{table:?} {refuted:?}");
     let json = trace::json::of(&trace, false);
     assert_eq!(json["effects"].as_array().map(Vec::len), Some(0));

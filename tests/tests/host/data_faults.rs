@@ -44,7 +44,7 @@ fn named(trace: &Trace) -> Vec<(String, Option<Channel>, FaultKind)> {
 }
 
 fn residual(trace: &Trace, stage: Stage) -> [f64; 3] {
-    let error = trace.axes[0].errors.iter().find(|error| error.stage == stage).unwrap();
+    let error = trace.axes[0].residuals.iter().find(|error| error.stage == stage).unwrap();
     [error.after.fit, error.after.validate, error.noise]
 }
 
@@ -135,7 +135,7 @@ fn a_channel_with_an_unknown_factor_is_not_used() {
     assert!(axis.not_testable[0].needs.contains("a motor channel without the fault \"unit\""), "{axis:?}");
     assert!(axis.found.is_empty(), "{:?}", axis.found);
     assert!(verdict::of(&trace) >= Verdict::Unexplained);
-    assert!(!trace.axes[1].errors.is_empty(), "y is traced");
+    assert!(!trace.axes[1].residuals.is_empty(), "y is traced");
 }
 
 #[test]
@@ -207,8 +207,8 @@ fn a_wrong_gain_or_feedforward_is_not_a_late_command() {
 fn a_dead_scale_is_not_used_and_the_rest_is_traced() {
     let trace = traced(changed(on_x(Channel::Table, |v| v.fill(5.0))));
     assert_eq!(named(&trace), [("x".to_owned(), Some(Channel::Table), FaultKind::Dead)]);
-    assert!(trace.axes[0].errors.iter().any(|error| error.stage == Stage::Force));
-    assert!(trace.axes[0].errors.iter().all(|error| error.stage != Stage::Table));
+    assert!(trace.axes[0].residuals.iter().any(|error| error.stage == Stage::Force));
+    assert!(trace.axes[0].residuals.iter().all(|error| error.stage != Stage::Table));
     assert!(verdict::of(&trace) >= Verdict::Unexplained);
 }
 

@@ -31,7 +31,7 @@ fn machine() -> Machine {
 }
 
 fn of_tool(trace: &Trace) -> StageResidual {
-    *trace.axes[0].errors.iter().find(|error| error.stage == Stage::Tool).unwrap()
+    *trace.axes[0].residuals.iter().find(|error| error.stage == Stage::Tool).unwrap()
 }
 
 fn traced(machine: &Machine, [fit, validate]: &[Vec<Log>; 2], task: Task, tables: bool) -> Trace {
@@ -93,7 +93,7 @@ fn a_table_is_found_written_and_read_again() {
         let second = traced(&again, &logs, task, false);
         for (axis, of_first) in second.axes.iter().zip(&first.axes) {
             assert!(axis.found.is_empty(), "{:?}", axis.found);
-            for (error, reported) in axis.errors.iter().zip(&of_first.errors) {
+            for (error, reported) in axis.residuals.iter().zip(&of_first.residuals) {
                 for (given, reported) in
                     [(error.before.fit, reported.after.fit), (error.before.validate, reported.after.validate)]
                 {

@@ -51,14 +51,14 @@ fn the_trace_of_emps_matches_the_readme() {
     assert!((0.4..0.65).contains(&first("velocity_lag")), "{}", first("velocity_lag"));
     assert!((-1.3..-1.0).contains(&first("latency")), "{}", first("latency"));
 
-    let error = |stage| axis.errors.iter().find(|error| error.stage == stage).unwrap();
+    let error = |stage| axis.residuals.iter().find(|error| error.stage == stage).unwrap();
     let near = |value: f64, figure: f64| (value / figure - 1.0).abs() < 0.01;
     let force = error(Stage::Force);
     assert!(near(force.before.validate, 2.596) && near(force.after.validate, 0.877), "{force:?}");
     let motor = error(Stage::Motor);
     assert!(near(motor.before.validate, 1.594) && near(motor.after.validate, 0.494), "{motor:?}");
     // The part that differs from lap to lap, which no model explains.
-    let repeats = |stage| axis.repeats.iter().find(|part| part.channel == stage).unwrap();
+    let repeats = |stage| axis.repeats.iter().find(|part| part.stage == stage).unwrap();
     assert!((repeats(Stage::Force).period_s - 6.24).abs() < 1e-9);
     assert!(near(repeats(Stage::Force).non_repeatable, 0.522), "{:?}", axis.repeats);
     assert!(near(repeats(Stage::Motor).non_repeatable, 0.222), "{:?}", axis.repeats);
@@ -129,7 +129,7 @@ fn stages_that_cannot_be_tested_are_listed() {
     for axis in &trace.axes {
         let stages: Vec<Stage> = axis.not_testable.iter().map(|n| n.stage).collect();
         assert_eq!(stages, [Stage::Motor, Stage::Tool, Stage::Force], "{}", axis.axis);
-        assert_eq!(axis.errors.len(), 1);
+        assert_eq!(axis.residuals.len(), 1);
     }
 }
 
@@ -205,7 +205,7 @@ fn the_robot_has_latency_and_windup() {
     let near = |value: f64, figure: f64| (value / figure - 1.0).abs() < 0.01;
     let held_out = [(9.996, 2.554), (14.552, 5.052), (8.073, 2.394)];
     for (axis, (before, after)) in trace.axes.iter().zip(held_out) {
-        let error = &axis.errors[0];
+        let error = &axis.residuals[0];
         assert!(near(error.before.validate, before) && near(error.after.validate, after), "{error:?}");
         // One bus reads all three axes: the same latency of 3 ms, within the uncertainty from wind-up.
         let latency_ms = axis.found[0].effect.parameters()[0].1;

@@ -24,7 +24,7 @@ fn residuals(trace: &Trace, of: fn(&StageResidual) -> FitAndValidationRms) -> Ve
             [("fit", fit), ("validate", validate)]
                 .map(|(logs, value)| (format!("{} {:?} {logs}", axis.axis, error.stage), value))
         };
-        axis.errors.iter().flat_map(of_stage).collect::<Vec<_>>()
+        axis.residuals.iter().flat_map(of_stage).collect::<Vec<_>>()
     };
     trace.axes.iter().flat_map(of_axis).collect()
 }

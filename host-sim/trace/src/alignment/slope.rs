@@ -22,7 +22,7 @@ pub fn decide(axis: &mut AxisTrace, has_table: bool, min_size: f64) {
         return;
     }
     let find = |axis: &AxisTrace, name: &str| axis.found.iter().position(|found| found.effect.name() == name);
-    if !axis.errors.iter().any(|error| error.stage == Stage::Table) {
+    if !axis.residuals.iter().any(|error| error.stage == Stage::Table) {
         let probe = axis.found.iter_mut().find(|found| matches!(found.effect, Effect::ProbeGain(_)));
         if let Some(probe) = probe {
             doubt_probe(probe, has_table);

@@ -55,7 +55,7 @@ fn template(axis: &AxisTrace, sum: Option<usize>) -> Option<FoundEffect> {
     if let Some(index) = sum {
         return Some(axis.found[index].clone());
     }
-    let error = axis.error(Stage::Tool)?;
+    let error = axis.residual(Stage::Tool)?;
     let effect = Effect::Squareness(Squareness::default());
     Some(FoundEffect::new((effect, Vec::new()), error.stage, [error.after; 2]))
 }

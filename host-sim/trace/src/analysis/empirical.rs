@@ -18,7 +18,8 @@ const POINTS: usize = 32;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Empirical {
     /// Stage.
-    pub channel: Stage,
+    #[serde(rename = "channel")]
+    pub stage: Stage,
     /// Axis.
     pub axis: String,
     /// The variable: mm, m/s, m/s², N, or −1 to 1 for the direction.
@@ -68,7 +69,7 @@ pub fn empirical(
     let rms = |squares: f64, of: &[Sample]| (squares / of.len().max(1) as f64).sqrt();
     let [held_out_before, held_out_after] = [&[][..], &table].map(|table| squares(held_out.iter(), table));
     Some(Empirical {
-        channel: stage,
+        stage: stage,
         axis: fit.name().to_owned(),
         variable,
         before: FitAndValidationRms { fit: rms(before, &fitted), validate: rms(held_out_before, &held_out) },
@@ -82,7 +83,7 @@ impl Empirical {
     /// The table for the model; `None` if the validation logs do not confirm it.
     #[must_use]
     pub fn confirmed(&self) -> Option<ResidualTable> {
-        let channel = match self.channel {
+        let channel = match self.stage {
             Stage::Motor => TableChannel::Motor,
             Stage::Table => TableChannel::Table,
             Stage::Tool => TableChannel::Tool,

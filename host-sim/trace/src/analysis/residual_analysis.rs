@@ -17,7 +17,8 @@ const PEAK_HALF_BINS: usize = 2;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct UnexplainedResidual {
     /// Stage.
-    pub channel: Stage,
+    #[serde(rename = "channel")]
+    pub stage: Stage,
     /// Axis.
     pub axis: String,
     /// Rms on the fit logs, in the unit of the stage's residual; its JSON key contains the unit.
@@ -62,7 +63,7 @@ pub fn unexplained(
         best = Explanation { variable: Variable::None, frequency_hz: None, centre_mm: None, ..best };
     }
     Some(UnexplainedResidual {
-        channel: stage,
+        stage: stage,
         axis: data.name().to_owned(),
         rms,
         share_percent: 100.0 * best.fraction.max(0.0),
@@ -111,7 +112,7 @@ impl UnexplainedResidual {
         noise: f64,
     ) -> Option<Exclusion> {
         let options = &data.options.exclusion;
-        let is_of_structure = matches!(self.channel, Stage::Table | Stage::Tool);
+        let is_of_structure = matches!(self.stage, Stage::Table | Stage::Tool);
         if !is_of_structure
             || self.share_percent < 100.0 * options.min_fraction
             || self.rms < options.min_noise_ratio * noise
@@ -122,7 +123,7 @@ impl UnexplainedResidual {
             Variable::Time => ExcludedPart::Sine { frequency_hz: self.frequency_hz? },
             Variable::Position => {
                 let of_stage: Vec<&ResidualSeries> =
-                    residuals.iter().filter(|series| series.stage == self.channel).collect();
+                    residuals.iter().filter(|series| series.stage == self.stage).collect();
                 let mean = BinnedMean::of(data, &of_stage, Variable::Position)?;
                 if let Some(bump) = fitted_bump(&mean, options.min_bump_fraction) {
                     ExcludedPart::Bump(bump)
@@ -133,7 +134,7 @@ impl UnexplainedResidual {
             }
             _ => return None,
         };
-        Some(Exclusion { stage: self.channel, part })
+        Some(Exclusion { stage: self.stage, part })
     }
 }
 

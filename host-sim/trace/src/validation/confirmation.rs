@@ -133,7 +133,7 @@ impl Reported {
 /// and of the model that also contains it.
 fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -> Vec<Reported> {
     let mut all = Vec::new();
-    let mut last = axis.declared.clone();
+    let mut last = axis.baseline.clone();
     for ScopeFit { scope, exclusions, .. } in &axis.fits {
         let data = FitData { exclusions, ..*fit_data };
         for (index, effect) in axis.model.found().iter().enumerate() {

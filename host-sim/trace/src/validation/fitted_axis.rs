@@ -13,7 +13,7 @@ use crate::fit::upstream::covariance_after;
 #[derive(Clone, Debug)]
 pub struct FittedAxis {
     /// The declared model, fitted.
-    pub declared: AxisModel,
+    pub baseline: AxisModel,
     /// The model with effects.
     pub model: AxisModel,
     /// Fits of the model, scope by scope.
@@ -47,7 +47,7 @@ impl FittedAxis {
             // A wrong effect may have biased the fit. If no effect is left, the fit starts from the values of the declared
             // model.
             if !model.found().iter().any(|other| fitted_scope.holds(other)) {
-                let parameters = self.declared.free_parameters(fitted_scope);
+                let parameters = self.baseline.free_parameters(fitted_scope);
                 let values: Vec<f64> =
                     parameters.iter().map(|parameter| parameter.coordinate.value).collect();
                 model = model.at(fitted_scope, &values);
@@ -59,7 +59,7 @@ impl FittedAxis {
             fits[i].fitted = fitted;
             first_refitted = Some(i);
         }
-        Self { declared: self.declared.clone(), model, fits }
+        Self { baseline: self.baseline.clone(), model, fits }
     }
 
     /// Half widths of the confidence intervals of a found effect's parameters. `data` are the fit logs with the error that was

@@ -94,13 +94,13 @@ impl AxisTrace {
             }
         }
         if self.model.found().is_empty() && self.task == Task::Search {
-            self.declared = self.model.clone();
+            self.baseline = self.model.clone();
         }
     }
 
     /// Replaces the residuals by those of the fitted and of the held-out parts of whole logs.
     fn replace_residuals(&mut self, index: usize, [fit, held_out]: [&[PieceSquares]; 2], max_ratio: f64) {
-        for error in &mut self.errors {
+        for error in &mut self.residuals {
             let has_no_exclusion = error.beside_exclusions == error.after;
             if let Some([before, after]) = rms(fit, index, error.stage) {
                 (error.before.fit, error.after.fit) = (before, after);
@@ -112,14 +112,14 @@ impl AxisTrace {
                 error.beside_exclusions = error.after;
             }
         }
-        let is_same = |stage: Stage| move |found: &UnexplainedResidual| found.channel == stage;
-        for error in &self.errors {
+        let is_same = |stage: Stage| move |found: &UnexplainedResidual| found.stage == stage;
+        for error in &self.residuals {
             let is_known = self.unexplained.iter().any(is_same(error.stage));
             if error.after.fit < max_ratio * error.noise {
                 self.unexplained.retain(|found| !is_same(error.stage)(found));
             } else if !is_known {
                 self.unexplained.push(UnexplainedResidual {
-                    channel: error.stage,
+                    stage: error.stage,
                     axis: self.axis.clone(),
                     rms: error.after.fit,
                     share_percent: 0.0,
@@ -163,5 +163,5 @@ fn worst_pieces(axis: &AxisTrace, index: usize, sets: [&[PieceSquares]; 2], max_
             )
         })
     };
-    axis.errors.iter().filter_map(sentence).collect()
+    axis.residuals.iter().filter_map(sentence).collect()
 }

@@ -49,7 +49,7 @@ fn of_axis(trace: &Trace, index: usize, logs: &[Signals; 1]) -> Vec<StageSquares
     for scope in &axis.scopes {
         let bias = bias(&data, axis, &scope.stages);
         let data = FitData { bias: &bias, ..data };
-        let [before, after] = [&axis.declared, &axis.model].map(|model| data.residuals(model, scope));
+        let [before, after] = [&axis.baseline, &axis.model].map(|model| data.residuals(model, scope));
         for (before, after) in before.iter().zip(&after) {
             let counts = data.counting(after.stage, 0);
             all.push(StageSquares {

@@ -64,7 +64,7 @@ fn a_long_log_is_fitted_and_evaluated_as_a_whole() {
     let data = FitData::new(&logs, &traced.names, 0, machine.rates(), &options);
     let scope = &axis.scopes[0];
     let residuals = data.residuals(&axis.model, scope);
-    let error = axis.error(Stage::Force).unwrap();
+    let error = axis.residual(Stage::Force).unwrap();
     // The first 0.3 s are left out of one, the last 20 samples of the other: 0.1 % of the samples.
     let ratio = error.after.fit / data.rms(&residuals, Stage::Force);
     assert!((ratio - 1.0).abs() < 2e-3, "{ratio}");
@@ -114,7 +114,7 @@ fn a_disturbance_outside_of_the_stretches_is_reported_with_its_time() {
     let seconds: Vec<f64> = note.split_whitespace().filter_map(|word| word.parse().ok()).collect();
     let middle_s = 1e-3 * from as f64 + 5.0;
     assert!(seconds[0] < middle_s && middle_s < seconds[1], "{note}, disturbed from {from}");
-    let after = |trace: &crate::Trace| trace.axes[0].errors[0].after;
+    let after = |trace: &crate::Trace| trace.axes[0].residuals[0].after;
     let [least, most] = [after(&of_sound), after(&of_disturbed)].map(|rms| rms.fit.max(rms.validate));
     assert!(most > 2.0 * least, "{least} {most}");
     assert!(!of_disturbed.axes[0].unexplained.is_empty());

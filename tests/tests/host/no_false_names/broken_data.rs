@@ -55,12 +55,12 @@ fn a_wrong_unit_or_sign_and_a_dead_force_are_named_and_no_effect() {
     assert_named(&trace, &[]);
     // The corrected logs are those of the sound machine: the residuals of all stages are the noise. Without the force, the
     // friction is less well known.
-    for error in trace.axes.iter().flat_map(|axis| &axis.errors) {
+    for error in trace.axes.iter().flat_map(|axis| &axis.residuals) {
         let [fit, validate] = [error.after.fit, error.after.validate].map(|rms| rms / error.noise);
         assert!((0.9..1.4).contains(&fit) && (0.9..1.4).contains(&validate), "{error:?}");
     }
     let stages =
-        |axis: usize| trace.axes[axis].errors.iter().map(|error| error.stage).collect::<BTreeSet<_>>();
+        |axis: usize| trace.axes[axis].residuals.iter().map(|error| error.stage).collect::<BTreeSet<_>>();
     let all = BTreeSet::from([Stage::Force, Stage::Table, Stage::Motor, Stage::Tool]);
     assert_eq!(stages(0), all);
     assert_eq!(&all - &stages(1), [Stage::Force].into());

@@ -60,7 +60,8 @@ fn the_lag_of_a_current_loop_is_no_position_gain() {
         let trace = trace::trace(&declared, &fit, &validate, &|_| ()).unwrap();
         assert_eq!(named(&trace), [], "{}", context(&trace));
         for axis in &trace.axes {
-            let motor = axis.errors.iter().find(|error| error.stage == model::effects::Stage::Motor).unwrap();
+            let motor =
+                axis.residuals.iter().find(|error| error.stage == model::effects::Stage::Motor).unwrap();
             // The noise, and what the steps of the encoder of 10 nm add to it in the loop.
             let ratio = motor.after.fit / motor.noise;
             assert!((0.8..2.0).contains(&ratio), "seed {seed}, {}: {ratio} times the noise", axis.axis);

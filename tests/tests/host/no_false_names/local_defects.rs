@@ -29,14 +29,14 @@ fn checked(number: u64) -> Trace {
             off_mm < defect.parameter("width_mm").unwrap().max(3.0)
         };
         let reported = of_axis.unexplained.iter().find(|part| {
-            matches!(part.channel, Stage::Table | Stage::Tool)
+            matches!(part.stage, Stage::Table | Stage::Tool)
                 && part.variable == Variable::Position
                 && part.centre_mm.is_some_and(is_at_place)
         });
         assert!(reported.is_some(), "case {number}: {:?}", of_axis.unexplained);
         // All but 10 % of the defect is subtracted where the other results are judged.
         let reported = reported.unwrap();
-        let error = of_axis.errors.iter().find(|error| error.stage == reported.channel).unwrap();
+        let error = of_axis.residuals.iter().find(|error| error.stage == reported.stage).unwrap();
         assert!(error.beside_exclusions.fit < 0.1 * error.after.fit, "case {number}: {error:?}");
     }
     assert_eq!(verdict::of(&trace), Verdict::Unexplained, "case {number}");
@@ -76,7 +76,7 @@ fn half_a_wave_of_a_pitch_error_is_no_bump() {
         assert_eq!(found, expected, "case {number}");
         // The encoders have a noise of about 0.01 µm; a map with knots leaves a little more.
         let of_axis = trace.axes.iter().find(|axis| axis.axis == shape.axis).unwrap();
-        let table = of_axis.errors.iter().find(|error| error.stage == Stage::Table).unwrap();
+        let table = of_axis.residuals.iter().find(|error| error.stage == Stage::Table).unwrap();
         assert!(table.after.validate < 0.05, "case {number}: {table:?}");
     }
 }
