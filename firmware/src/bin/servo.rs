@@ -160,7 +160,7 @@ fn run() -> Option<()> {
                 if byte == END {
                     end(true);
                 }
-                let known = with_plant(|plant| operate(plant.bench.hands(), byte));
+                let known = with_plant(|plant| operate(plant.bench.operator_inputs(), byte));
                 (confirmed, settled_at) = (Some(if known { byte } else { b'?' }), now + SETTLED_TICKS);
                 active = true;
             }

@@ -58,11 +58,7 @@ pub fn trace(
         &[(fit_data, &bias[0]), (validate, &bias[1])].map(|(data, bias)| FitData { bias, ..*data });
     let stage = Tracing { fit_data, ..stage };
     // 6: the declared model, fitted in the same way.
-    let before = if model.found().is_empty() {
-        model.clone()
-    } else {
-        stage.refit_baseline(&before, declared_fits, &fits)
-    };
+    let before = stage.refit_baseline(&before, declared_fits, (&model, &fits));
     // What the validation logs refute.
     let stages: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
     let axis = drift_rate::with_rates(fit_data, FittedAxis { baseline: before.clone(), model, fits });
@@ -241,13 +237,17 @@ impl Tracing<'_> {
         Searched { model, fits, rounds: search.rounds }
     }
 
-    /// Fits the declared model with the same exclusions and the same error subtracted as the model with effects.
+    /// Fits the declared model with the same exclusions and the same error subtracted as the model with effects; without any effect,
+    /// both are the same.
     fn refit_baseline(
         &self,
         declared: &AxisModel,
         fits: Vec<Fitted>,
-        with_effects: &[ScopeFit],
+        (model, with_effects): (&AxisModel, &[ScopeFit]),
     ) -> AxisModel {
+        if model.found().is_empty() {
+            return model.clone();
+        }
         let alike = |(fitted, other): (Fitted, &ScopeFit)| {
             let (scope, exclusions) = (other.scope.clone(), other.exclusions.clone());
             ScopeFit { fitted_scope: scope.clone(), scope, fitted, exclusions }

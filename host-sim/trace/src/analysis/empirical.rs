@@ -69,7 +69,7 @@ pub fn empirical(
     let rms = |squares: f64, of: &[Sample]| (squares / of.len().max(1) as f64).sqrt();
     let [held_out_before, held_out_after] = [&[][..], &table].map(|table| squares(held_out.iter(), table));
     Some(Empirical {
-        stage: stage,
+        stage,
         axis: fit.name().to_owned(),
         variable,
         before: FitAndValidationRms { fit: rms(before, &fitted), validate: rms(held_out_before, &held_out) },

@@ -84,7 +84,7 @@ pub fn repeatability(
         period_s.get_or_insert(lap as f64 * log.sample_s);
     }
     (phases > 0).then(|| Repeatability {
-        stage: stage,
+        stage,
         axis: data.name().to_owned(),
         period_s: period_s.unwrap_or(0.0),
         repeatable: (of_means / phases as f64).max(0.0).sqrt(),

@@ -63,7 +63,7 @@ pub fn unexplained(
         best = Explanation { variable: Variable::None, frequency_hz: None, centre_mm: None, ..best };
     }
     Some(UnexplainedResidual {
-        stage: stage,
+        stage,
         axis: data.name().to_owned(),
         rms,
         share_percent: 100.0 * best.fraction.max(0.0),

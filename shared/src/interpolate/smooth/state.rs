@@ -158,7 +158,7 @@ impl<const N: usize> State<N> {
         written.and_then(|inputs| inputs.get(axis)).copied().unwrap_or_else(initial)
     }
 
-    /// ProfilePosition in the window.
+    /// Place in the window.
     fn index(count: u16) -> usize {
         usize::from(count) % WINDOW
     }

@@ -12,6 +12,7 @@ use self_test::pickup::Filter;
 use self_test::plant::{Mechanics, Sinusoid};
 use trace::Trace;
 use trace::certainty::is_certain;
+use trace::validation::declared_value::DeclaredValue;
 use trace::validation::found_effect::FoundEffect;
 
 use super::machine::{TestMachine, wave_um};
@@ -433,7 +434,7 @@ fn a_value_beside_others_at_their_bounds_is_not_beyond_its_tolerance() {
         context(&traced)
     );
     assert!(
-        traced.axes[0].declared_values.iter().any(|value| value.is_undetermined()),
+        traced.axes[0].declared_values.iter().any(DeclaredValue::is_undetermined),
         "{}",
         context(&traced)
     );
