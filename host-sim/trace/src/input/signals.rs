@@ -35,7 +35,7 @@ pub struct AxisSignals {
     pub saturated: Vec<bool>,
     /// Whether a fault of the data spoils each sample, by stage in the order of [`Stage`]; empty if none does.
     pub faulty: [Vec<bool>; 4],
-    /// Drive force over the velocity tick that ends at the sample, N; its filtered value is [`Smooth::position`].
+    /// Drive force over the velocity tick that ends at the sample, N; its filtered value is [`Smooth::value`].
     pub force: Option<Smooth>,
     /// Known force that was added to that of the controller and is contained in `force`; `None`: none was added.
     pub added_force: Option<AddedForce>,
