@@ -1,6 +1,6 @@
 //! A USB CDC-ACM port, on any bus, as a port of the link.
 //!
-//! There is no interrupt: [`CdcPort::poll`] is called again and again, between ticks. A USB host waits for an answer: what it sends is
+//! There is no interrupt: [`CdcPort::poll`] is called repeatedly, between ticks. A USB host waits for an answer: what it sends is
 //! not acknowledged until it is read, and a request at the control endpoint may take 50 ms at least (USB 2.0, 9.2.6).
 
 use shared::link::BytePort;
@@ -63,7 +63,7 @@ impl<B: UsbBus> CdcPort<B> {
         Ok(Self { device, class, packet: [0; PACKET], unread: 0..0 })
     }
 
-    /// Answers the bus. To be called again and again.
+    /// Answers the bus. To be called repeatedly.
     // Not inlined: its calls through the table of the class are found there by the test of the stack.
     #[inline(never)]
     pub fn poll(&mut self) {

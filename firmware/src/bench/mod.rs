@@ -102,7 +102,6 @@ pub struct Bench {
 
 /// What a person operates at the machine.
 #[derive(Clone, Copy, Debug, Default)]
-#[expect(clippy::struct_excessive_bools, reason = "switches and wires")]
 pub struct OperatorInputs {
     /// The enable switch is closed.
     pub enable_switch: bool,
@@ -112,8 +111,6 @@ pub struct OperatorInputs {
     pub x_frozen: Frozen,
     /// The signal of the x scale is lost.
     pub x_scale_lost: bool,
-    /// The status light is lit.
-    pub light: bool,
 }
 
 impl Bench {
@@ -129,7 +126,6 @@ impl Bench {
                 emergency_stop: false,
                 x_frozen: Frozen { encoder: false, scale: false },
                 x_scale_lost: false,
-                light: false,
             },
         }
     }
@@ -195,9 +191,8 @@ impl Board<AXES, DriveSignal> for Bench {
         self.enabled = enabled;
     }
 
-    fn set_light(&mut self, lit: bool) {
-        self.operator_inputs.light = lit;
-    }
+    /// Nobody looks at the light of a simulated machine.
+    fn set_light(&mut self, _lit: bool) {}
 
     fn next_tick_due(&mut self) -> bool {
         false

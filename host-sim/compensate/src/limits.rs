@@ -74,7 +74,7 @@ impl Limits {
     /// # Errors
     /// If a motion cannot be simulated.
     pub fn measure(
-        real: &dyn MachineUnderTest,
+        machine_under_test: &dyn MachineUnderTest,
         (model, instruments): (&Machine, Instruments),
         file: &CompensationFile,
         tests: &[TestMotion],
@@ -83,7 +83,7 @@ impl Limits {
         let measured = |sensing| {
             let errors: Result<Vec<_>, _> = tests
                 .par_iter()
-                .map(|test| contour_error(&real.log(file, test, 0, sensing)?, model))
+                .map(|test| contour_error(&machine_under_test.log(file, test, 0, sensing)?, model))
                 .collect();
             Ok::<f64, PredictionError>(total_rms_um(&errors?))
         };

@@ -101,7 +101,7 @@ pub fn with_sensing(instruments: Instruments, sensing: Sensing) -> Instruments {
 /// # Errors
 /// If a motion cannot be simulated.
 pub fn compare(
-    real: &dyn MachineUnderTest,
+    machine_under_test: &dyn MachineUnderTest,
     (model, instruments): (&Machine, Instruments),
     [file_before, file]: [&CompensationFile; 2],
     tests: &[TestMotion],
@@ -112,9 +112,9 @@ pub fn compare(
         .map(|(number, test)| {
             let first = 1000 + 3 * number as u64;
             let instruments = Instruments { seed: instruments.seed + first + 1, ..instruments };
-            let before = real.log(file_before, test, first, Sensing::Installed)?;
+            let before = machine_under_test.log(file_before, test, first, Sensing::Installed)?;
             let predicted = prediction::log(model, file, test, (instruments, ControllerHost::Host))?;
-            let after = real.log(file, test, first + 2, Sensing::Installed)?;
+            let after = machine_under_test.log(file, test, first + 2, Sensing::Installed)?;
             let of = |log| contour_error(log, model);
             let errors = [of(&before)?, of(&predicted)?, of(&after)?];
             Ok(Compared { name: test.motion.name.clone(), logs: [before, predicted, after], errors })

@@ -111,15 +111,15 @@ pub fn run(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoErro
     let traced = traced(seed, progress)?;
     progress("compensating the machine");
     let instruments = Instruments::typical(seed);
-    let real = SimulatedMachine {
+    let machine_under_test = SimulatedMachine {
         machine: &traced.drawn.truth,
         instruments,
         controller_host: ControllerHost::found(),
     };
     let model = traced.trace.better_machine();
     let before = CompensationFile::none(&model);
-    let compensated = compensated(&model, (&real, &before), seed)?;
-    let controller_host = real.controller_host;
+    let compensated = compensated(&model, (&machine_under_test, &before), seed)?;
+    let controller_host = machine_under_test.controller_host;
     Ok(Demo { traced, compensated, controller_host })
 }
 
@@ -144,7 +144,7 @@ pub fn traced(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Traced, Dem
 /// If the model or the machine cannot be simulated, or the compensation is refused.
 pub fn compensated(
     model: &Machine,
-    (real, before): (&dyn MachineUnderTest, &CompensationFile),
+    (machine_under_test, before): (&dyn MachineUnderTest, &CompensationFile),
     seed: u64,
 ) -> Result<Compensated, DemoError> {
     let instruments = Instruments::typical(seed);
@@ -160,9 +160,10 @@ pub fn compensated(
     };
     let plan = planning.plan()?;
     let run_on = RUN_ON.map(test_motion).into_iter().collect::<Result<Vec<_>, _>>()?;
-    let motions = round_trip::compare(real, (model, instruments), [before, &plan.file], &run_on)?;
+    let motions =
+        round_trip::compare(machine_under_test, (model, instruments), [before, &plan.file], &run_on)?;
     let [_, _, after_um] = round_trip::totals_um(&motions);
-    let limits = Limits::measure(real, (model, instruments), &plan.file, &run_on, after_um)?;
+    let limits = Limits::measure(machine_under_test, (model, instruments), &plan.file, &run_on, after_um)?;
     Ok(Compensated { plan, motions, limits })
 }
 

@@ -132,8 +132,9 @@ fn of_demo(declared: &Machine, seed: u64, effects: usize) -> Result<RoundTrip, D
     let trace = trace::trace(declared, &fit, &validate, &|_| ())?;
     let effects = effects.iter().map(|(axis, effect)| format!("{axis}: {}", effect.name())).collect();
     let instruments = Instruments::typical(seed);
-    let real = SimulatedMachine { machine: &truth, instruments, controller_host: ControllerHost::Host };
-    round_trip(seed, effects, &trace, (&real, &CompensationFile::none(declared)))
+    let machine_under_test =
+        SimulatedMachine { machine: &truth, instruments, controller_host: ControllerHost::Host };
+    round_trip(seed, effects, &trace, (&machine_under_test, &CompensationFile::none(declared)))
 }
 
 /// Seed of the cases of the self-test that make round trips; the seed of a machine is the number of its case.
@@ -169,9 +170,9 @@ fn round_trip(
     seed: u64,
     effects: Vec<String>,
     trace: &Trace,
-    real: (&dyn MachineUnderTest, &CompensationFile),
+    machine_under_test: (&dyn MachineUnderTest, &CompensationFile),
 ) -> Result<RoundTrip, DemoError> {
-    let Compensated { motions, limits, .. } = compensated(&trace.better_machine(), real, seed)?;
+    let Compensated { motions, limits, .. } = compensated(&trace.better_machine(), machine_under_test, seed)?;
     Ok(RoundTrip { seed, effects, found: trace.found_names(), contour_um: totals_um(&motions), limits })
 }
 

@@ -1,5 +1,5 @@
-//! The whole way, again and again: a machine is logged, its logs are traced, the model found is compensated, and the motions are
-//! executed again, until nothing more is gained.
+//! Commissioning in rounds: a machine is logged, its logs are traced, the model found is compensated, and the motions are executed
+//! again, until nothing more is gained.
 //!
 //! - [`round`]: one round, and when its compensation is kept
 //! - [`retrace`]: what is traced in the logs of a compensated machine
@@ -45,7 +45,7 @@ pub struct Improving<'a> {
     /// The declared machine.
     pub declared: &'a Machine,
     /// The machine that executes the motions.
-    pub real: SimulatedMachine<'a>,
+    pub machine_under_test: SimulatedMachine<'a>,
     /// Motions whose logs are fitted.
     pub fit: &'a [TestMotion],
     /// Motions whose contour error counts. Their logs are held out of every fit.
@@ -85,8 +85,12 @@ impl Improving<'_> {
             show("running the machine with its compensation");
             let seed = 1000 * number as u64;
             logs.judged = self.run(self.judged, &plan.file, seed)?;
-            let predicted =
-                prediction::contour_errors(&traced, &plan.file, self.judged, self.real.instruments)?;
+            let predicted = prediction::contour_errors(
+                &traced,
+                &plan.file,
+                self.judged,
+                self.machine_under_test.instruments,
+            )?;
             let after = errors(&logs.judged, &traced)?;
             let round = Round { trace, model: traced, plan, before, predicted, after };
             let (fits, is_kept) = (round.fits(), round.is_kept());
@@ -114,7 +118,7 @@ impl Improving<'_> {
             model_file: "the traced model",
             tests: self.judged,
             watched: &watched,
-            instruments: self.real.instruments,
+            instruments: self.machine_under_test.instruments,
             set_at_s,
         };
         planning.plan()
@@ -128,7 +132,7 @@ impl Improving<'_> {
         seed: u64,
     ) -> Result<Vec<Log>, PredictionError> {
         let one = |(number, test): (usize, &TestMotion)| {
-            self.real.log(file, test, seed + number as u64, Sensing::Installed)
+            self.machine_under_test.log(file, test, seed + number as u64, Sensing::Installed)
         };
         motions.par_iter().enumerate().map(one).collect()
     }

@@ -104,12 +104,12 @@ impl<C: Connection> Remote<C> {
         }
     }
 
-    /// Sends a frame; returns a refusal as error.
+    /// Sends a frame; returns a rejection as error.
     fn exchange(&mut self, mut frame: Frame) -> Result<Answer, ControllerError> {
         self.connection.exchange(&mut frame).map_err(ControllerError::Link)?;
         match protocol::decode(&frame).map_err(|error| unexpected(&error))? {
             Answer::Rejected(Rejection::Path(error)) => Err(MachineError::Path(error).into()),
-            Answer::Rejected(refusal) => Err(unexpected(&refusal)),
+            Answer::Rejected(rejection) => Err(unexpected(&rejection)),
             answer => Ok(answer),
         }
     }

@@ -73,12 +73,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (declared, plant) = (Machine::read(&arguments.machine)?, Machine::read(&arguments.plant)?);
     check_plant(&declared, &plant, &arguments.plant)?;
     let (fit, judged) = motions_of(arguments)?;
-    let real = SimulatedMachine {
+    let machine_under_test = SimulatedMachine {
         machine: &plant,
         instruments: Instruments::of(&plant, arguments.seed),
         controller_host: if arguments.emulated { ControllerHost::EmulatedCore } else { ControllerHost::Host },
     };
-    let improving = Improving { declared: &declared, real, fit: &fit, judged: &judged, limits };
+    let improving = Improving { declared: &declared, machine_under_test, fit: &fit, judged: &judged, limits };
     let progress = Progress::start();
     let improvement =
         improving.improve(usize::from(arguments.rounds), &|what| progress.show(what)).map_err(|error| {

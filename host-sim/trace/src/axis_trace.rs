@@ -77,7 +77,7 @@ pub fn trace(
     let before = stage.shown_before(task, declared, [before, model.clone()]);
     // What remains.
     let (model, remains) = stage.with_tables(request, validate, [&before, &model], &exclusions);
-    let Remainder { errors: residuals, unexplained, repeats, tables } = remains;
+    let Remainder { residuals, unexplained, repeats, tables } = remains;
     let ambiguities = named_ambiguities(&rounds, &mut found);
     alignment::doubt(fit_data, &model, &scopes, &mut found);
     AxisTrace {
@@ -260,7 +260,7 @@ impl Tracing<'_> {
 /// Residuals after the fit, and their analysis.
 #[derive(Default)]
 struct Remainder {
-    errors: Vec<StageResidual>,
+    residuals: Vec<StageResidual>,
     unexplained: Vec<UnexplainedResidual>,
     repeats: Vec<Repeatability>,
     tables: Vec<Empirical>,
@@ -289,7 +289,7 @@ fn remainder(
                 fit: fit_data.rms(fitted, stage),
                 validate: validate.rms(held_out, stage),
             };
-            remainder.errors.push(StageResidual {
+            remainder.residuals.push(StageResidual {
                 stage,
                 before: pair(&fit_before, &held_out_before),
                 after: pair(&fit_after, &held_out_after),

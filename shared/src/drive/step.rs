@@ -1,7 +1,7 @@
 //! Step and direction to a drive that closes its own loops.
 //!
 //! The output emits steps until they are nearest to the command, with a hysteresis: a step follows when the command is three
-//! quarters of a step away, so that the distance stays below that at rest, and a command that moves to and fro by less than half
+//! quarters of a step away, so that the distance stays below that at rest, and a command that oscillates by less than half
 //! a step causes none. A tick emits at most a declared number of steps; after a change of direction, one tick passes without a
 //! step, so that the direction input of the drive has settled.
 //!

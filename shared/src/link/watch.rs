@@ -101,7 +101,7 @@ mod tests {
         assert!(watch.is_silent());
     }
 
-    /// Sessions that are opened again and again do not replace requests.
+    /// Sessions that are opened repeatedly do not replace requests.
     #[test]
     fn an_opened_session_is_no_sign_of_life() {
         let mut watch = HostWatch::new(3, 5);

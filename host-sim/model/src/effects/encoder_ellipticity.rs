@@ -58,9 +58,8 @@ impl EffectModel for EncoderEllipticity {
         lead.map(guess).into_iter().collect()
     }
 
-    /// An error of the screw, where force and motor do not decide.
     fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
-        context.jitters.then_some(Imitation::SCREW_WAVE).into_iter().collect()
+        context.rival_wave(Imitation::SCREW_WAVE)
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -76,13 +76,13 @@ impl EffectModel for PitchCyclic {
         harmonic::of_other_part(found, lead_mm).map(|wave| Substitute::alone(Self::of(wave)))
     }
 
-    /// An error of the motor's reading, if a turn of the motor is a whole number of periods and force and motor do not decide.
+    /// An error of the motor's reading repeats with each turn of the motor.
     fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
         let repeats_with_motor = context.axis.mechanics.lead_mm.is_some_and(|lead_mm| {
             let periods = lead_mm / self.period_mm;
             periods > 0.5 && (periods - periods.round()).abs() < 0.01
         });
-        (context.jitters && repeats_with_motor).then_some(Imitation::READING_WAVE).into_iter().collect()
+        if repeats_with_motor { context.rival_wave(Imitation::READING_WAVE) } else { Vec::new() }
     }
 
     fn sentence(&self, wording: &Wording) -> String {

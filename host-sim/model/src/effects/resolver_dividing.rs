@@ -86,9 +86,8 @@ impl EffectModel for ResolverDividing {
         harmonic::of_other_part(found, electrical_mm).map(|wave| Substitute::alone(Self::of(wave)))
     }
 
-    /// An error of the screw, where force and motor do not decide.
     fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
-        context.jitters.then_some(Imitation::SCREW_WAVE).into_iter().collect()
+        context.rival_wave(Imitation::SCREW_WAVE)
     }
 
     fn sentence(&self, wording: &Wording) -> String {

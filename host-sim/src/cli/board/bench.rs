@@ -1,4 +1,4 @@
-//! `lost-motion board bench`: the hands at the simulated machine of the emulated board.
+//! `lost-motion board bench`: the switches and sensors of the simulated machine of the emulated board.
 
 use anyhow::Result;
 use clap::ValueEnum;

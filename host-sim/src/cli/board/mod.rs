@@ -42,7 +42,7 @@ pub enum Verb {
     Resume(simple::Arguments),
     /// Decelerate along the path and discard the rest of it.
     Stop(simple::Arguments),
-    /// Print a line about the board again and again.
+    /// Print a line about the board at intervals.
     Monitor(monitor::Arguments),
     /// Record every tick in the memory of the board and write the log.
     Capture(capture::Arguments),

@@ -1,4 +1,4 @@
-//! `lost-motion board monitor`: a line about the board again and again.
+//! `lost-motion board monitor`: a line about the board at intervals.
 
 use std::thread;
 use std::time::{Duration, Instant};

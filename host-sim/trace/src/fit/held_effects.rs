@@ -7,7 +7,7 @@
 use model::effects::Effect;
 
 /// Largest number of parameters of the declared effects of an axis that are fitted. A file that a trace writes has fewer: a pitch
-/// map of 25 knots each way has 47, a friction map 24, the other effects together seldom 20.
+/// map of 25 knots each way has 47, a friction map 24, the other effects together rarely 20.
 pub const MAX_FITTED: usize = 96;
 
 /// Whether each declared effect is held at its declared values: those, in the order of the file, with which the parameters would

@@ -1,6 +1,6 @@
 //! The slope of a pitch map.
 //!
-//! A map has no slope of its own: that is the effect `pitch_progressive`. A screw with an error over the position seldom has
+//! A map has no slope of its own: that is the effect `pitch_progressive`. A screw with an error over the position rarely has
 //! none, so that a map is added together with a slope, and the slope is dropped again if its interval contains zero. Judged
 //! alone, before the map, the slope may make a log worse.
 

@@ -228,7 +228,7 @@ impl Profile {
     }
 
     /// Advances a motion by a whole segment.
-    // Not inlined: the compiler would load the rates before a loop in which they are seldom used.
+    // Not inlined: the compiler would load the rates before a loop in which they are rarely used.
     #[inline(never)]
     fn pass(&self, motion: &mut Motion, segment: u8, duration: u64) {
         self.enter(motion, segment);

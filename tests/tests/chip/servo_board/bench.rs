@@ -91,6 +91,17 @@ impl Bench {
         String::from_utf8(output.stdout).unwrap()
     }
 
+    /// Homes both axes and moves them to the start of `bench_travel.toml`, a motion of 7 s. Returns this motion's file.
+    pub fn at_start_of_travel(&self) -> String {
+        for axis in ["x", "y"] {
+            self.succeeds(&format!("board home --port bench --axis {axis}"));
+            self.succeeds(&format!(
+                "board jog --port bench --axis {axis} --by-mm 91.7 --speed-mm-per-min 6000"
+            ));
+        }
+        Self::file("host-sim/motions/bench_travel.toml").display().to_string()
+    }
+
     /// Runs a command that has to fail with an exit code. Returns its only line of diagnostics.
     pub fn fails(&self, code: i32, arguments: &str) -> String {
         let output = self.run(arguments);

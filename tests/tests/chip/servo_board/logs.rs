@@ -68,12 +68,7 @@ fn the_tracer_finds_the_undeclared_backlash_of_the_board() {
 #[test]
 fn a_recording_of_a_silent_host_fails_and_leaves_nothing_held() {
     let Some(bench) = Bench::armed() else { return };
-    let motion = Bench::file("host-sim/motions/bench_travel.toml").display().to_string();
-    for axis in ["x", "y"] {
-        bench.succeeds(&format!("board home --port bench --axis {axis}"));
-        // To the start of the motion.
-        bench.succeeds(&format!("board jog --port bench --axis {axis} --by-mm 91.7 --speed-mm-per-min 6000"));
-    }
+    let motion = bench.at_start_of_travel();
     let record = bench.start(&format!("record --port bench --motion {motion} --out travel.csv"));
     // Of 7 s of motion.
     sleep(Duration::from_secs(2));

@@ -68,11 +68,7 @@ fn an_interrupt_of_a_motion_leaves_standing_axes() {
 #[test]
 fn an_interrupt_of_a_recording_leaves_standing_axes_and_no_log() {
     let Some(bench) = Bench::armed() else { return };
-    let motion = Bench::file("host-sim/motions/bench_travel.toml").display().to_string();
-    for axis in ["x", "y"] {
-        bench.succeeds(&format!("board home --port bench --axis {axis}"));
-        bench.succeeds(&format!("board jog --port bench --axis {axis} --by-mm 91.7 --speed-mm-per-min 6000"));
-    }
+    let motion = bench.at_start_of_travel();
     let recording = bench.start(&format!("record --port bench --motion {motion} --out travel.csv"));
     // Of 7 s of motion.
     sleep(Duration::from_secs(2));

@@ -1,43 +1,21 @@
-//! Errors of the measuring chain, and knowledge that is missing: none of them is told as a fact about the machine.
+//! Errors of the measuring chain: none of them is reported as a fact about the machine.
 
-use files::log::{AxisLog, Log};
+use files::log::Log;
 use numerics::resample::delayed_cubic;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use self_test::case::Case;
 use self_test::draw;
-use self_test::gap::CONTROLLER_KEYS;
 use self_test::kind::Kind;
 use self_test::pickup::Filter;
-use self_test::plant::{Mechanics, Sinusoid};
-use trace::Trace;
-use trace::certainty::is_certain;
+use self_test::plant::Sinusoid;
 use trace::validation::declared_value::DeclaredValue;
-use trace::validation::found_effect::FoundEffect;
+use trace::{Trace, trace};
 
-use super::machine::{TestMachine, wave_um};
-use super::reported::{assert_value, context, found, named};
+use super::machine::TestMachine;
+use super::reported::{assert_value, beyond_tolerance, certain, context, found, named};
 
 /// A machine with P control, and its period of the velocity loop, ms.
 const P: u64 = 1;
 const TICK_MS: f64 = 0.25;
-
-/// Axes and names of the effects that are told as facts.
-fn certain(trace: &Trace) -> Vec<(&str, &str)> {
-    let of_axis = |axis| move |found: &_| is_certain(axis, found);
-    let mut certain = Vec::new();
-    for axis in &trace.axes {
-        let names = axis.found.iter().filter(|found| of_axis(axis)(found)).map(|found| found.effect.name());
-        certain.extend(names.map(|name| (axis.axis.as_str(), name)));
-    }
-    certain
-}
-
-/// Keys of the declared values that are told to be outside their tolerance.
-fn beyond_tolerance(trace: &Trace) -> Vec<&str> {
-    let values = trace.axes.iter().flat_map(|axis| &axis.declared_values);
-    values.filter(|value| value.is_beyond_tolerance).map(|value| value.key).collect()
-}
 
 /// Once: feed-forward 5.6 %, position gain 14.6 %, velocity gain −12 %, all certain.
 #[test]
@@ -209,129 +187,6 @@ fn a_drive_that_is_weaker_in_one_direction_is_named() {
     assert_value(found(&trace, 0, "drive_asymmetry"), "percent", 15.0, 0.5);
 }
 
-/// Once: backlash 15.9 ± 0.1 µm, certain, where 12 is backlash and the rest 2·F/k; and 2.9 µm on an axis that has none, as here.
-#[test]
-fn lost_motion_without_a_declared_stiffness_is_not_certainly_backlash() {
-    let mut machine = TestMachine::new(P);
-    let mechanics = [
-        "motor_mass_kg",
-        "table_mass_kg",
-        "stiffness_n_per_um",
-        "damping_n_s_per_m",
-        "coulomb_n",
-        "viscous_n_s_per_m",
-        "motor_coulomb_n",
-        "presliding_stiffness_n_per_um",
-        "presliding_damping_n_s_per_m",
-    ];
-    for axis in &mut machine.drawn.declared {
-        axis.text = without_keys(&axis.text, &mechanics);
-    }
-    let trace = machine.trace_of(|log| without(log, |axis| axis.force = None));
-    let backlash = found(&trace, 1, "backlash");
-    // The stretch by friction, 2·F/k; viscous friction and acceleration add to it.
-    let Mechanics { stiffness_n_per_m, coulomb_n, .. } = machine.drawn.axes[1].mechanics;
-    let lost_um = 2e6 * coulomb_n / stiffness_n_per_m;
-    let width_um = backlash.effect.values()[0];
-    assert!((1.0..1.6).contains(&(width_um / lost_um)), "{lost_um}: {}", context(&trace));
-    assert_eq!(backlash.rival_names(), ["windup"], "{}", context(&trace));
-    assert!(!certain(&trace).iter().any(|(_, name)| *name == "backlash"), "{}", context(&trace));
-}
-
-/// The case of the first report: 12 µm of backlash with the stiffness alone left out: "backlash 15.9 ± 0.1 µm", certain.
-#[test]
-fn a_backlash_beside_an_undeclared_stiffness_is_ambiguous_with_windup() {
-    let width_um = 12.0;
-    let mut machine = TestMachine::new(P).with_mechanics(1, |y| y.backlash_m = 1e-6 * width_um);
-    for axis in &mut machine.drawn.declared {
-        axis.text = without_keys(&axis.text, &["stiffness_n_per_um"]);
-    }
-    let trace = machine.trace();
-    let backlash = found(&trace, 1, "backlash");
-    assert!(!is_certain(&trace.axes[1], backlash), "{}", context(&trace));
-    assert!(backlash.rival_names().contains(&"windup"), "{}", context(&trace));
-    // The backlash, and at most twice the stretch by Coulomb friction, as viscous friction and acceleration add to it.
-    let Mechanics { stiffness_n_per_m, coulomb_n, .. } = machine.drawn.axes[1].mechanics;
-    let lost_um = 2e6 * coulomb_n / stiffness_n_per_m;
-    let found_um = backlash.effect.values()[0];
-    assert!((width_um - 0.5..width_um + 2.0 * lost_um).contains(&found_um), "{lost_um}: {}", context(&trace));
-    assert!(!certain(&trace).iter().any(|(_, name)| *name == "backlash"), "{}", context(&trace));
-}
-
-/// Lines of a machine file without some keys.
-fn without_keys(text: &str, keys: &[&str]) -> String {
-    let is_left = |line: &&str| !keys.iter().any(|key| line.starts_with(&format!("{key} = ")));
-    text.lines().filter(is_left).map(|line| format!("{line}\n")).collect()
-}
-
-/// Once: `motor_stribeck` on both axes, certain. An absent value is unknown, not zero.
-#[test]
-fn a_motor_friction_that_is_not_declared_is_unknown() {
-    let mut machine = TestMachine::new(P);
-    for axis in &mut machine.drawn.declared {
-        axis.text = without_keys(&axis.text, &["motor_coulomb_n"]);
-    }
-    let trace = machine.trace();
-    assert_eq!(named(&trace), [], "{}", context(&trace));
-    for (traced, true_axis) in trace.axes.iter().zip(&machine.drawn.axes) {
-        let fitted_n = traced.model.axis.settings.mechanics.motor_coulomb_n.unwrap();
-        let true_n = true_axis.mechanics.motor_coulomb_n;
-        assert!((fitted_n / true_n - 1.0).abs() < 0.05, "{fitted_n} {true_n}");
-    }
-}
-
-/// The log without some channels.
-fn without(log: &mut Log, remove: impl Fn(&mut AxisLog)) {
-    log.axes.iter_mut().for_each(remove);
-}
-
-/// Once: "velocity gain 5.13 ± 0.01 % below", certain: without a force, a factor of masses, friction and Kv is not observable.
-#[test]
-fn without_a_force_the_velocity_gain_is_not_certain() {
-    let machine = TestMachine::new(P).with_declared(0, "velocity_gain_n_s_per_m", |kv| 1.3 * kv);
-    let trace = machine.trace_of(|log| without(log, |axis| axis.force = None));
-    assert!(
-        !certain(&trace).iter().any(|(_, name)| *name == "velocity_gain_mismatch"),
-        "{}",
-        context(&trace)
-    );
-}
-
-/// Once: in-talk 1.728 ± 0.008 (true 2.041) and a mode of 175.6 Hz that does not exist: the stretch of the drive.
-#[test]
-fn without_a_table_the_stretch_of_the_drive_is_no_certain_effect_of_the_tool() {
-    let trace = TestMachine::new(P).trace_of(|log| without(log, |axis| axis.table = None));
-    assert_eq!(certain(&trace), [], "{}", context(&trace));
-}
-
-/// Once: "table mass 22.39 ± 0.03 % below", "motor mass 31.4 ± 0.1 % above" on machines declared exactly, with an encoder of 0.5 or
-/// 1 µm and with motor and force alone: the sum of the masses is known.
-#[test]
-fn motor_and_force_alone_do_not_divide_the_masses() {
-    for step_mm in [0.5e-3, 1e-3] {
-        let trace = TestMachine::new(P).trace_of(|log| {
-            without(log, |axis| (axis.table, axis.tool) = (None, None));
-            let motors = log.axes.iter_mut().filter_map(|axis| axis.motor.as_mut()).flatten();
-            motors.for_each(|mm| *mm = (*mm / step_mm).round() * step_mm);
-        });
-        assert_eq!((certain(&trace), beyond_tolerance(&trace)), (vec![], vec![]), "{}", context(&trace));
-    }
-}
-
-/// Once: "motor mass 31.4 ± 0.1 % above" on a machine declared exactly, with a log that is noisier than the loop: noise of 1 µm that the
-/// controller does not see, with motor and force alone.
-#[test]
-fn noise_of_the_log_that_the_loop_does_not_have_is_no_mass() {
-    let mut random = ChaCha8Rng::seed_from_u64(25);
-    let trace = TestMachine::new(P).trace_of(|log| {
-        without(log, |axis| (axis.table, axis.tool) = (None, None));
-        let motors = log.axes.iter_mut().filter_map(|axis| axis.motor.as_mut()).flatten();
-        // Uniform, of 1 µm rms.
-        motors.for_each(|mm| *mm += 3.0_f64.sqrt() * 1e-3 * random.random_range(-1.0..=1.0));
-    });
-    assert_eq!((certain(&trace), beyond_tolerance(&trace)), (vec![], vec![]), "{}", context(&trace));
-}
-
 /// Rows that are read up to 0.1 ms beside their times. Once: "velocity gain 5.4 ± 0.1 % below", certain, and masses and friction
 /// beyond their tolerance. Speed times jitter is in all positions alike and cancels in their differences.
 #[test]
@@ -379,40 +234,17 @@ fn the_steps_of_an_encoder_are_no_value_beyond_its_tolerance() {
     }
 }
 
-/// Once: a torque ripple of 1.0 ± 0.2 N, certain. At a speed v, a wave of the screw with amplitude A and period p accelerates the table by
-/// A·(2πv/p)², which needs a force of the same period.
-#[test]
-fn without_a_table_a_wave_of_the_screw_is_no_certain_torque_ripple() {
-    let lead_mm = TestMachine::new(P).declared(0, "lead_mm");
-    let machine =
-        TestMachine::new(P).with_mechanics(0, |x| x.screw_waves = vec![wave_um(10.0, lead_mm, 1.0)]);
-    let trace = machine.trace_of(|log| without(log, |axis| (axis.table, axis.tool) = (None, None)));
-    let ripples = trace.axes[0].found.iter().filter(|found| found.effect.name() == "torque_ripple");
-    let rivals: Vec<_> = ripples.map(FoundEffect::rival_names).collect();
-    assert!(!rivals.is_empty() && rivals.iter().all(|names| names.contains(&"pitch_cyclic")));
-    assert_eq!(certain(&trace), [], "{}", context(&trace));
-}
-
-/// Once: "motor mass 17.0 ± 0.4 % below", on 9 of 9 machines without the gains of their loop: between two rows of the log, the force
-/// changes in a way that is then not known.
-#[test]
-fn without_the_gains_of_the_loop_the_masses_are_not_divided() {
-    for seed in [P, 2] {
-        let mut machine = TestMachine::new(seed);
-        for axis in &mut machine.drawn.declared {
-            axis.text = without_keys(&axis.text, &CONTROLLER_KEYS);
-        }
-        let trace = machine.trace();
-        assert_eq!((certain(&trace), beyond_tolerance(&trace)), (vec![], vec![]), "{}", context(&trace));
-    }
+/// The trace of a machine of the self-test, as it was drawn with the seed 35.
+fn trace_of_drawn(number: u64) -> Trace {
+    let case = Case::draw_kind(Kind::Sensors, 35, number).unwrap();
+    trace(&case.machine, &case.fit, &case.validate, &|_| {}).unwrap()
 }
 
 /// Once: `resolver_dividing`, certain, where the screw had the error. Both look alike in the table; force and motor, which decide
 /// between them, have errors of 100 N and 2 µm by the jitter.
 #[test]
 fn a_wave_of_the_screw_beside_instants_that_jitter_is_no_certain_error_of_the_reading() {
-    let case = Case::draw_kind(Kind::Sensors, 35, 14).unwrap();
-    let traced = trace::trace(&case.machine, &case.fit, &case.validate, &|_| {}).unwrap();
+    let traced = trace_of_drawn(14);
     assert_eq!((certain(&traced), beyond_tolerance(&traced)), (vec![], vec![]), "{}", context(&traced));
     let names = ["pitch_cyclic", "resolver_dividing"];
     let wave = traced.axes[1].found.iter().find(|found| names.contains(&found.effect.name())).unwrap();
@@ -425,8 +257,7 @@ fn a_wave_of_the_screw_beside_instants_that_jitter_is_no_certain_error_of_the_re
 /// stiffness stopped at bounds.
 #[test]
 fn a_value_beside_others_at_their_bounds_is_not_beyond_its_tolerance() {
-    let case = Case::draw_kind(Kind::Sensors, 35, 67).unwrap();
-    let traced = trace::trace(&case.machine, &case.fit, &case.validate, &|_| {}).unwrap();
+    let traced = trace_of_drawn(67);
     assert_eq!(
         (certain(&traced), beyond_tolerance(&traced)),
         (vec![("y", "torque_ripple")], vec![]),

@@ -14,6 +14,7 @@ mod load;
 mod local_defects;
 mod machine;
 mod measuring_chain;
+mod missing_knowledge;
 mod nothing_to_find;
 mod probe_and_scale;
 mod reported;

@@ -1,5 +1,6 @@
 //! What a trace reports, compared with the truth.
 
+use trace::certainty::is_certain;
 use trace::outcome::AxisTrace;
 use trace::validation::found_effect::FoundEffect;
 use trace::{Trace, verdict};
@@ -18,6 +19,23 @@ pub fn named(trace: &Trace) -> Vec<(&str, &str)> {
         .collect();
     named.sort_unstable();
     named
+}
+
+/// Axes and names of the effects that are reported as facts.
+pub fn certain(trace: &Trace) -> Vec<(&str, &str)> {
+    let of_axis = |axis| move |found: &_| is_certain(axis, found);
+    let mut certain = Vec::new();
+    for axis in &trace.axes {
+        let names = axis.found.iter().filter(|found| of_axis(axis)(found)).map(|found| found.effect.name());
+        certain.extend(names.map(|name| (axis.axis.as_str(), name)));
+    }
+    certain
+}
+
+/// Keys of the declared values that are reported to be outside their tolerance.
+pub fn beyond_tolerance(trace: &Trace) -> Vec<&str> {
+    let values = trace.axes.iter().flat_map(|axis| &axis.declared_values);
+    values.filter(|value| value.is_beyond_tolerance).map(|value| value.key).collect()
 }
 
 /// Everything that a failed assertion should show.

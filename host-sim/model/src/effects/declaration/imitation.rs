@@ -37,8 +37,7 @@ pub struct ImitationContext<'a> {
     pub session_s: f64,
     /// Whether the tool follows the readings of the linear scale but for noise, and not for an error over its position.
     pub tool_follows_scale: bool,
-    /// Whether rows were read at instants that jitter. Force and motor, which then have errors of the size of their effects, do not
-    /// decide between an error of the motor's reading and one of the screw.
+    /// Whether rows were read at instants that jitter.
     pub jitters: bool,
 }
 
@@ -91,6 +90,13 @@ impl ImitationContext<'_> {
     #[must_use]
     pub fn has(&self, stage: Stage) -> bool {
         self.stages.contains(&stage)
+    }
+
+    /// The rival of a wave of table − motor. An error of the motor's reading and one of the screw differ only by the force that the
+    /// loop applies. Where instants jitter, the errors of force and motor are larger than this difference.
+    #[must_use]
+    pub fn rival_wave(&self, rival: Imitation) -> Vec<Imitation> {
+        self.jitters.then_some(rival).into_iter().collect()
     }
 
     /// Whether the stretch of the drive train is part of tool − motor: the tool is predicted from the motor, as no linear scale is
