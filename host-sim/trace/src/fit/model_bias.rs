@@ -72,7 +72,7 @@ fn simulated(data: &FitData<'_>, model: &AxisModel, log: usize) -> Option<Signal
     let motor = signals.motor.as_ref()?;
     let simulated = data.closed_loop(model, &parameters, signals)?;
     let sample_s = measured.sample_s;
-    let smooth = |values: Vec<f64>, like: &Smooth| Smooth::new(values, sample_s, like.half_window());
+    let smooth = |values: Vec<f64>, like: &Smooth| like.of_other(values, sample_s);
 
     let zero_m = 1e-6 * model.table_zero_um;
     let table_m = delayed_cubic(simulated.table_m, parameters.latency_s(Channel::Table), sample_s);

@@ -92,7 +92,6 @@ fn tool_m(
 
 /// Replaces a channel by simulated values, filtered alike; `None` if the log lacks the channel.
 fn replace(channel: &mut Option<Smooth>, values: Vec<f64>, sample_s: f64) -> Option<()> {
-    let half_window = channel.as_ref()?.half_window();
-    *channel = Some(Smooth::new(values, sample_s, half_window));
+    *channel = Some(channel.as_ref()?.of_other(values, sample_s));
     Some(())
 }

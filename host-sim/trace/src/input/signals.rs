@@ -129,7 +129,10 @@ impl AxisSignals {
         let metres = |channel: &Option<Vec<f64>>| -> Option<Vec<f64>> {
             channel.as_ref().map(|mm| mm.iter().map(|mm| 1e-3 * mm).collect())
         };
-        let smooth = |channel| metres(channel).map(|raw| Smooth::new(raw, sample_s, half_window));
+        let smooth = |channel| {
+            metres(channel)
+                .map(|raw| Smooth::new(raw, sample_s, half_window).with_quiet_acceleration(sample_s))
+        };
         let motor = smooth(&axis.motor);
         let standstill = motor.as_ref().map_or_else(Vec::new, |motor| standstill(motor, sample_s, options));
         Self {

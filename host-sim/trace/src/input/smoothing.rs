@@ -1,6 +1,7 @@
 //! Filtering and differentiation of a channel, and estimation of its noise.
 
 use super::encoder_step::encoder_step;
+use super::quiet_acceleration::QuietAcceleration;
 
 /// One channel of a log with its filtered value and derivatives. Position channels are in m, force channels in N.
 ///
@@ -26,6 +27,8 @@ pub struct Smooth {
     rounding: f64,
     /// Half width of the filter's window, samples.
     half_window: usize,
+    /// Acceleration by a wider filter, if the noise of `acceleration` is not small beside it.
+    quiet: Option<QuietAcceleration>,
 }
 
 impl Smooth {
@@ -48,7 +51,34 @@ impl Smooth {
             velocity,
             acceleration,
             half_window,
+            quiet: None,
         }
+    }
+
+    /// The channel with an acceleration for effects that are proportional to it: see [`Self::quiet_acceleration`].
+    #[must_use]
+    pub fn with_quiet_acceleration(mut self, sample_s: f64) -> Self {
+        let weights = Cubic::new(self.half_window).middle;
+        let narrow = (&self.acceleration[..], self.acceleration_noise);
+        self.quiet = QuietAcceleration::of(&self.raw, &weights, sample_s, self.noise, narrow);
+        self
+    }
+
+    /// Other values, such as modelled ones, after the filters of this channel.
+    #[must_use]
+    pub fn of_other(&self, raw: Vec<f64>, sample_s: f64) -> Self {
+        let mut other = Self::new(raw, sample_s, self.half_window);
+        let weights = Cubic::new(self.half_window).middle;
+        let quiet = self.quiet.as_ref();
+        other.quiet = quiet.map(|quiet| quiet.of_other(&other.raw, &weights, sample_s, &other.acceleration));
+        other
+    }
+
+    /// Acceleration whose noise is small and uncorrelated with that of `value`: see [`super::quiet_acceleration`]. It is `acceleration`
+    /// if that has little noise.
+    #[must_use]
+    pub fn quiet_acceleration(&self) -> &[f64] {
+        self.quiet.as_ref().map_or(&self.acceleration, |quiet| &quiet.values)
     }
 
     /// Estimates the noise again, without the flagged samples: they are not readings but replacements, with the noise of an

@@ -32,7 +32,7 @@ pub fn tool(
     for (i, position_m) in tool_m.iter_mut().enumerate() {
         for (other, table) in tables.iter().enumerate() {
             positions[other] = table.map_or(0.0, |table| table.value[i]);
-            accelerations[other] = table.map_or(0.0, |table| table.acceleration[i]);
+            accelerations[other] = table.map_or(0.0, |table| table.quiet_acceleration()[i]);
         }
         let all = Tables { names, position_m: &positions, acceleration: &accelerations };
         let time_s = signals.start_s + i as f64 * signals.sample_s;

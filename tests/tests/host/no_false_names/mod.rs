@@ -15,6 +15,7 @@ mod local_defects;
 mod machine;
 mod measuring_chain;
 mod missing_knowledge;
+mod noisy_scale;
 mod nothing_to_find;
 mod probe_and_scale;
 mod reported;
