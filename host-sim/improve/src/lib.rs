@@ -68,8 +68,7 @@ impl Improving<'_> {
         progress("round 1: running the machine");
         let mut logs = Logs::new(self.run(self.fit, &none, 0)?, self.run(self.judged, &none, JUDGED)?);
         let mut rounds: Vec<Round> = Vec::new();
-        let first = errors(&logs.judged, self.declared)?;
-        let mut before = first.clone();
+        let uncompensated = logs.judged.clone();
         let mut model = self.declared.clone();
         let mut stop = Stop::Rounds;
         for number in 1..=max_rounds {
@@ -84,6 +83,8 @@ impl Improving<'_> {
             }
             show("running the machine with its compensation");
             let seed = 1000 * number as u64;
+            // What the model knows of the probe is removed from both: an error of the probe is none of the machine.
+            let before = errors(&logs.judged, &traced)?;
             logs.judged = self.run(self.judged, &plan.file, seed)?;
             let predicted = prediction::contour_errors(
                 &traced,
@@ -94,7 +95,6 @@ impl Improving<'_> {
             let after = errors(&logs.judged, &traced)?;
             let round = Round { trace, model: traced, plan, before, predicted, after };
             let (fits, is_kept) = (round.fits(), round.is_kept());
-            before = if is_kept { round.after.clone() } else { round.before.clone() };
             model = round.model.clone();
             rounds.push(round);
             if !is_kept {
@@ -106,6 +106,8 @@ impl Improving<'_> {
                 logs.fit.extend(self.run(self.fit, &rounds[number - 1].plan.file, seed + 500)?);
             }
         }
+        let described = rounds.iter().rev().find(|round| round.fits());
+        let first = errors(&uncompensated, described.map_or(self.declared, |round| &round.model))?;
         Ok(Improvement { motions: names(self.judged), first, rounds, stop })
     }
 

@@ -50,7 +50,7 @@ impl Stop {
 pub struct Improvement {
     /// Names of the motions whose contour error counts.
     pub motions: Vec<String>,
-    /// Their contour errors before the first round.
+    /// Their contour errors before the first round, without the error of the probe as far as the last model that fits knows it.
     pub first: Vec<ContourError>,
     /// The rounds.
     pub rounds: Vec<Round>,

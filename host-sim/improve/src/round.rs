@@ -21,7 +21,7 @@ pub struct Round {
     pub model: Machine,
     /// Its compensation.
     pub plan: Plan,
-    /// Contour error of each motion with the compensation kept so far.
+    /// Contour error of each motion with the compensation kept so far, without the error of the probe that the traced machine knows.
     pub before: Vec<ContourError>,
     /// The same with this round's compensation, as predicted.
     pub predicted: Vec<ContourError>,
