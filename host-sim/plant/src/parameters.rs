@@ -96,6 +96,15 @@ pub struct ToolParameters {
     pub probe: Probe,
 }
 
+impl ToolParameters {
+    /// Largest displacement of the tool per acceleration of its own axis, far below the frequencies of its modes, m per m/s².
+    #[must_use]
+    pub fn max_displacement_s2(&self) -> f64 {
+        let of_modes: f64 = self.resonances.iter().map(|mode| mode.static_s2().abs()).sum();
+        self.intalk.offset_m(1.0).abs() + of_modes
+    }
+}
+
 impl AxisParameters {
     /// All axes of a machine file, in its order. Where the file describes rigid bodies, masses and springs are those of
     /// the bodies.

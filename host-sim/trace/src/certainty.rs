@@ -5,6 +5,7 @@
 //! stage: it has a cause of which the effect may describe a part.
 
 use crate::analysis::variable::Variable;
+use crate::displaced_head;
 use crate::options::VerdictOptions;
 use crate::outcome::{AxisTrace, StageResidual, Trace};
 use crate::validation::common_noise;
@@ -32,16 +33,24 @@ pub fn state_doubts(trace: &mut Trace) {
     let session_s = numerics::max(ends_s) - numerics::min(starts_s);
     let Trace { axes, machine, options, fit_logs, .. } = trace;
     let jitters = axes.iter().any(has_common_noise);
+    let turned_s2 = turned_s2(axes);
     for (number, axis) in axes.iter_mut().enumerate() {
         // The tool of a log without the table is not used if another log has the table.
         let has_table = fit_logs.iter().any(|log| log.axes[number].table.is_some());
-        of_axis(axis, machine, Logged { has_table, session_s, jitters }, &options.verdict);
+        of_axis(axis, machine, Logged { has_table, session_s, jitters, turned_s2 }, &options.verdict);
     }
 }
 
 /// Whether the channels of an axis share their noise: see [`common_noise`].
 fn has_common_noise(axis: &AxisTrace) -> bool {
     axis.residuals.iter().any(|error| common_noise::is_common(error.stage, error.after.fit, error.noise))
+}
+
+/// See [`ImitationContext::turned_s2`]: of all axes, the largest angle and the largest displacement.
+fn turned_s2(axes: &[AxisTrace]) -> f64 {
+    let tools = || axes.iter().map(|axis| axis.model.parameters().tool);
+    let angle = numerics::max(tools().map(|tool| 1e-6 * tool.probe.rotation.um_per_m.abs()));
+    angle * numerics::max(tools().map(|tool| tool.max_displacement_s2()))
 }
 
 /// Whether instants that jitter may explain an effect: what is found in the stages of force and motor, which are no differences of
@@ -59,12 +68,14 @@ struct Logged {
     session_s: f64,
     /// Whether the rows were read at instants that jitter.
     jitters: bool,
+    /// See [`ImitationContext::turned_s2`].
+    turned_s2: f64,
 }
 
 fn of_axis(
     axis: &mut AxisTrace,
     machine: &Machine,
-    Logged { has_table, session_s, jitters }: Logged,
+    Logged { has_table, session_s, jitters, turned_s2 }: Logged,
     options: &VerdictOptions,
 ) {
     let stages: Vec<Stage> = axis.residuals.iter().map(|error| error.stage).collect();
@@ -73,6 +84,7 @@ fn of_axis(
     let fitted_to_declared: Vec<f64> = determined.map(|value| value.fitted / value.declared).collect();
     let tolerance = axis.declared_values.first().map_or(0.0, |value| value.tolerance);
     let tool_follows_scale = follows_scale(axis, options);
+    let head_displacement_s2 = displaced_head::allowed_s2(axis, &declared.settings, options);
     for found in &mut axis.found {
         let context = ImitationContext {
             axis: &declared.settings,
@@ -84,6 +96,8 @@ fn of_axis(
             tolerance,
             session_s,
             tool_follows_scale,
+            head_displacement_s2: head_displacement_s2.clone(),
+            turned_s2,
             jitters,
         };
         found.imitations = found.effect.imitations(&context);
@@ -91,8 +105,8 @@ fn of_axis(
             found.imitations.push(Imitation::CLOCK);
         }
         let shown = axis.residuals.iter().filter(|error| is_shown(found, error.stage));
-        let remaining =
-            shown.map(|error| Remaining { stage: error.stage, to_noise: ratio_to_noise(error, options) });
+        let remaining = shown
+            .map(|error| Remaining { stage: error.stage, to_noise: error.ratio_to_noise(options.min_noise) });
         let largest = remaining.max_by(|a, b| a.to_noise.total_cmp(&b.to_noise));
         found.remaining = largest.filter(|remaining| remaining.to_noise > options.max_certain_ratio);
     }
@@ -105,7 +119,7 @@ fn follows_scale(axis: &AxisTrace, options: &VerdictOptions) -> bool {
         .unexplained
         .iter()
         .any(|residual| residual.stage == Stage::Tool && residual.variable == Variable::Position);
-    let is_left = |tool: &StageResidual| ratio_to_noise(tool, options) >= options.max_certain_ratio;
+    let is_left = |tool: &StageResidual| tool.ratio_to_noise(options.min_noise) >= options.max_certain_ratio;
     axis.residual(Stage::Tool).is_some_and(|tool| !(is_left(tool) && depends_on_position))
 }
 
@@ -114,33 +128,35 @@ fn follows_scale(axis: &AxisTrace, options: &VerdictOptions) -> bool {
 /// - where rows were read at instants that jitter;
 /// - where the model does not describe the axis or its loop;
 /// - where the search for another value ended at a bound: they balance what that one lacks;
+/// - of the masses, the stiffness and the friction of the motor, where a displaced reading head of the linear scale explains them, or no
+///   tool was logged that shows it;
 /// - where no force was logged: the loop shows the values relative to its gain only;
 /// - where the scale of the logged force explains all of them: together with the gain of the loop, which contradicts the masses by
 ///   the same factor, or where no loop could be evaluated or described.
 fn withdraw_declared(axis: &mut AxisTrace, jitters: bool, options: &VerdictOptions) {
     let (motor, has_force) = (axis.residual(Stage::Motor), axis.residual(Stage::Force).is_some());
     let has_loop = !axis.is_of_another_machine && motor.is_some();
-    let is_loop_unknown = motor.is_some_and(|motor| ratio_to_noise(motor, options) > MAX_LOOP_RATIO);
-    let mut imitations = axis.found.iter().flat_map(|found| &found.imitations);
-    let is_explained = imitations.any(|imitation| *imitation == Imitation::FORCE_GAIN);
+    let is_loop_unknown = motor.is_some_and(|motor| motor.ratio_to_noise(options.min_noise) > MAX_LOOP_RATIO);
+    let is_imitated_by =
+        |rival| axis.found.iter().flat_map(|found| &found.imitations).any(|imitation| *imitation == rival);
+    let is_explained = is_imitated_by(Imitation::FORCE_GAIN);
     axis.has_force_scale =
         is_explained || !has_loop && declared_value::are_off_by_one_factor(&axis.declared_values);
     let is_undescribed = !axis.is_of_another_machine
         && (is_loop_unknown || verdict::of_axis(axis) == Verdict::ModelDoesNotFit);
     let is_any_undetermined = axis.declared_values.iter().any(DeclaredValue::is_undetermined);
-    if jitters || !has_force || axis.has_force_scale || is_undescribed || is_any_undetermined {
-        axis.declared_values.iter_mut().for_each(|value| value.is_beyond_tolerance = false);
-    }
+    let is_head_known = axis.residual(Stage::Tool).is_some() && !is_imitated_by(Imitation::HEAD);
+    let is_none_known =
+        jitters || !has_force || axis.has_force_scale || is_undescribed || is_any_undetermined;
+    let is_unknown = |value: &DeclaredValue| is_none_known || !is_head_known && value.is_of_division();
+    axis.declared_values
+        .iter_mut()
+        .filter(|value| is_unknown(value))
+        .for_each(|value| value.is_beyond_tolerance = false);
 }
 
 /// Whether an effect is searched for in a stage, or reduces its residual most.
 fn is_shown(found: &FoundEffect, stage: Stage) -> bool {
     let is_searched = found.effect.stages().contains(&stage) && found.effect.kind().shown_in.contains(&stage);
     stage == found.stage || is_searched
-}
-
-/// What remains in a stage of the fitted logs, without the vibrations and local defects that are reported apart, as a multiple of
-/// the noise.
-fn ratio_to_noise(error: &StageResidual, options: &VerdictOptions) -> f64 {
-    error.beside_exclusions.fit / error.noise.max(options.min_noise)
 }

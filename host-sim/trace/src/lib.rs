@@ -20,6 +20,7 @@ pub mod analysis;
 pub mod axis_trace;
 pub mod certainty;
 pub mod data_faults;
+mod displaced_head;
 pub mod fit;
 pub mod input;
 pub mod json;

@@ -121,6 +121,15 @@ pub struct StageResidual {
     pub max_described: f64,
 }
 
+impl StageResidual {
+    /// What remains on the fitted logs, without the vibrations and local defects that are reported apart, as a multiple of the
+    /// noise, at least `min_noise`.
+    #[must_use]
+    pub fn ratio_to_noise(&self, min_noise: f64) -> f64 {
+        self.beside_exclusions.fit / self.noise.max(min_noise)
+    }
+}
+
 impl AxisTrace {
     /// The residual of a stage, if it was evaluated.
     #[must_use]

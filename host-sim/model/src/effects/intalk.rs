@@ -53,7 +53,8 @@ impl EffectModel for Intalk {
     }
 
     fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
-        if context.hides_stretch() { vec![Imitation::STRETCH] } else { Vec::new() }
+        let stretch = context.hides_stretch().then_some(Imitation::STRETCH);
+        stretch.into_iter().chain(context.displaced_head(Some(self.offset_m(1.0)))).collect()
     }
 
     fn sentence(&self, wording: &Wording) -> String {

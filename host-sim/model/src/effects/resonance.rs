@@ -37,6 +37,12 @@ fn is_one(value: &f64) -> bool {
 }
 
 impl Resonance {
+    /// Tool − table per acceleration far below its frequency, m per m/s²: there, a mode is an in-talk.
+    #[must_use]
+    pub fn static_s2(&self) -> f64 {
+        -self.participation / (std::f64::consts::TAU * self.frequency_hz).powi(2)
+    }
+
     /// Second modes with which a fit starts, without any participation yet.
     pub fn second_modes() -> impl Iterator<Item = Self> {
         (0..22).map(|power| Self {
@@ -136,7 +142,8 @@ impl EffectModel for Resonance {
     }
 
     fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
-        if context.hides_stretch() { vec![Imitation::STRETCH] } else { Vec::new() }
+        let stretch = context.hides_stretch().then_some(Imitation::STRETCH);
+        stretch.into_iter().chain(context.displaced_head(Some(self.static_s2()))).collect()
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -49,6 +49,12 @@ impl DeclaredValue {
         !self.is_at_bound && !self.is_poorly_determined && self.half_width < self.tolerance * self.declared
     }
 
+    /// Whether it follows from the small stretch between motor and table.
+    #[must_use]
+    pub fn is_of_division(&self) -> bool {
+        is_mass(self.key) || ["stiffness_n_per_um", "motor_coulomb_n"].contains(&self.key)
+    }
+
     /// Whether the whole confidence interval is outside the tolerance, on one side.
     fn is_fitted_beyond_tolerance(&self) -> bool {
         let excess = (self.fitted - self.declared).abs() - self.tolerance * self.declared;
@@ -78,8 +84,6 @@ pub fn declared_values([fit_data, validate]: [&FitData<'_>; 2], axis: &FittedAxi
     let has_loop = axis.fits.iter().any(|fit| fit.fitted_scope.stages.contains(&Stage::Motor));
     let is_elastic = !model.axis.settings.is_rigid();
     let shows_division = has_table && has_loop;
-    let is_divided =
-        |key: &str| is_elastic && (is_mass(key) || ["stiffness_n_per_um", "motor_coulomb_n"].contains(&key));
     let value = |(index, key, declared): (usize, &'static Tolerated, f64)| {
         let fitted = DeclaredValue {
             key: key.key,
@@ -92,7 +96,7 @@ pub fn declared_values([fit_data, validate]: [&FitData<'_>; 2], axis: &FittedAxi
             is_beyond_tolerance: false,
         };
         let is_precise = fitted.half_width < 0.5 * fitted.tolerance * declared;
-        let is_beyond_tolerance = (shows_division && is_precise || !is_divided(key.key))
+        let is_beyond_tolerance = (shows_division && is_precise || !(is_elastic && fitted.is_of_division()))
             && fitted.is_fitted_beyond_tolerance()
             && is_confirmed([fit_data, validate], fit, key);
         DeclaredValue { is_beyond_tolerance, ..fitted }

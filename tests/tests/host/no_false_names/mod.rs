@@ -8,6 +8,7 @@ mod broken_data;
 mod controller;
 mod declared_values;
 
+mod displaced_sensors;
 mod hidden;
 mod intervals;
 mod load;

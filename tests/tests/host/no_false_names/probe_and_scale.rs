@@ -36,7 +36,7 @@ fn tool(axis: &mut AxisLog) -> &mut Vec<f64> {
 
 /// What a probe reads that is turned by an angle (rad) about the third axis and has a gain: (1 + gain)·(x + angle·y) and
 /// (1 + gain)·(y − angle·x).
-fn mount(log: &mut Log, angle: f64, gain: f64) {
+pub(super) fn mount(log: &mut Log, angle: f64, gain: f64) {
     let [x, y] = &mut log.axes[..] else { panic!() };
     for (x, y) in tool(x).iter_mut().zip(tool(y)) {
         (*x, *y) = ((1.0 + gain) * (*x + angle * *y), (1.0 + gain) * (*y - angle * *x));

@@ -33,14 +33,16 @@ fn a_mode_far_above_the_motion_is_not_certainly_an_intalk() {
 }
 
 /// Once 200 Hz was an in-talk, too. The noise of the scale excites the model of the mode, so that the fit chooses more damping (0.093
-/// at 200 Hz), which the interval has to contain.
+/// at 200 Hz), which the interval has to contain. It leaves 5 % more than the noise of the tool at 200 Hz: an in-talk, whose acceleration is
+/// filtered wider, leaves as little.
 #[test]
 fn a_fast_mode_has_its_frequency_and_damping() {
     for (frequency_hz, max_damping_half_width) in [(100.0, 0.005), (150.0, 0.01), (200.0, 0.1)] {
         let trace = with_mode(frequency_hz).trace();
         assert_named(&trace, &[("x", "resonance")]);
         let found = found(&trace, 0, "resonance");
-        assert!(found.rivals.is_empty(), "{}", context(&trace));
+        let rivals: &[&str] = if frequency_hz < 200.0 { &[] } else { &["intalk"] };
+        assert_eq!(found.rival_names(), rivals, "{}", context(&trace));
         assert_value(found, "frequency_hz", frequency_hz, 0.05 * frequency_hz);
         assert_value(found, "damping_ratio", 0.05, max_damping_half_width);
     }

@@ -1,5 +1,7 @@
 //! What looks like an effect in logs and is none: errors of the measuring chain, and parts of the machine that are not known.
 
+use std::ops::RangeInclusive;
+
 use shared::config::Rates;
 
 use super::stage::Stage;
@@ -17,7 +19,7 @@ pub struct Imitation {
 }
 
 /// With what an effect was found.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct ImitationContext<'a> {
     /// Declared settings of the axis.
     pub axis: &'a Settings,
@@ -37,6 +39,12 @@ pub struct ImitationContext<'a> {
     pub session_s: f64,
     /// Whether the tool follows the readings of the linear scale but for noise, and not for an error over its position.
     pub tool_follows_scale: bool,
+    /// Displacements of the tool per acceleration of its axis, m per m/s², that a displaced reading head of the linear scale leaves as
+    /// well; `None`: any, as the scale does not follow the motor as it should, or no motor was logged.
+    pub head_displacement_s2: Option<RangeInclusive<f64>>,
+    /// What the turned probe reads on this axis of the other tool's displacement per acceleration of the other axis, m per m/s²; zero
+    /// for a probe that is not turned.
+    pub turned_s2: f64,
     /// Whether rows were read at instants that jitter.
     pub jitters: bool,
 }
@@ -61,6 +69,27 @@ impl Imitation {
         name: "scale_cyclic",
         clause: "the linear scale reads positions with this error",
         decided_by: "a probe whose readings follow the table over the travel",
+    };
+
+    /// An offset of the logged force.
+    pub const FORCE_OFFSET: Self = Self {
+        name: "force_offset",
+        clause: "the logged force has this offset",
+        decided_by: "the motor's position and the gains of the control loop",
+    };
+
+    /// A displacement of the scale's reading head.
+    pub const HEAD: Self = Self {
+        name: "scale_head",
+        clause: "acceleration displaces the reading head of the linear scale by this",
+        decided_by: "a motor reading that the scale follows, and the masses and stiffness in the machine file",
+    };
+
+    /// The displacement of another axis's tool, read by a turned probe.
+    pub const TURN: Self = Self {
+        name: "probe_rotation",
+        clause: "the turned probe reads a part of what that axis's own acceleration displaces the tool by",
+        decided_by: "a probe that is aligned with the axes",
     };
 
     /// A periodic error of the screw's pitch.
@@ -104,6 +133,18 @@ impl ImitationContext<'_> {
     #[must_use]
     pub const fn hides_stretch(&self) -> bool {
         !self.has_table
+    }
+
+    /// The rival of a displacement of the tool by an acceleration of its own axis, m per m/s²; `None`: by that of another axis, which moves
+    /// neither motor nor scale of this one.
+    #[must_use]
+    pub fn displaced_head(&self, own_s2: Option<f64>) -> Option<Imitation> {
+        let is_allowed = match (&self.head_displacement_s2, own_s2) {
+            (None, _) => self.has_table,
+            (Some(allowed), Some(own_s2)) => allowed.contains(&own_s2),
+            (Some(_), None) => false,
+        };
+        is_allowed.then_some(Imitation::HEAD)
     }
 
     /// Whether all fitted values are within their tolerance if the forces of the log are too large by a factor. The tolerance is two
