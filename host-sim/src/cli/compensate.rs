@@ -64,7 +64,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         &[Output::File("--out", Some(&arguments.out)), Output::File("--json", arguments.json.as_ref())],
     )?;
     if !(arguments.set_at_s >= 0.0 && arguments.set_at_s.is_finite()) {
-        return Err(InputError::expected("--set-at-s", "a time of at least 0 s", arguments.set_at_s).into());
+        return Err(InputError::expected(
+            "--set-at-s",
+            "a time of at least 0 s",
+            format!("{:?}", arguments.set_at_s),
+        )
+        .into());
     }
     let limits = arguments.limits.checked()?;
     let model = Machine::read(&arguments.model)?;
@@ -85,10 +90,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     drop(progress);
     check_margins(&plan.file, &model_file, &model, limits)?;
     let toml = plan.file.to_toml()?;
-    write_whole(&arguments.out, |out| out.write_all(toml.as_bytes()))?;
     let mut json = compensate::json::of(&plan);
     let margins = LoopsBeforeAfter::of(&model, &plan.file, limits).ok();
     json["margins"] = margins.as_ref().map(|margins| margins.json(limits)).unwrap_or_default();
+    // One after the other: Ctrl-C in between, or while the margins are computed, would leave one without the other.
+    write_whole(&arguments.out, |out| out.write_all(toml.as_bytes()))?;
     write_json(arguments.json.as_ref(), &json)?;
     let remarks = margins.map(|margins| margins.remarks(limits)).unwrap_or_default();
     print(&[vec![text::of(&plan)], remarks].concat().join("\n\n"))

@@ -1,5 +1,6 @@
 //! The command line: arguments, results on stdout, progress on stderr, exit codes.
 
+mod argument_error;
 mod batch;
 mod board;
 mod compare;
@@ -77,7 +78,7 @@ enum Command {
 /// Runs the program. Exit codes: 0 success, 1 failure, 2 invalid arguments or input, 130 interrupted.
 #[must_use]
 pub fn run() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments: Arguments = argument_error::parse_or_exit();
     stop::install_handler();
     let outcome = match arguments.command {
         Command::Demo(arguments) => demo::run(&arguments),

@@ -29,6 +29,14 @@ pub fn check_outputs(inputs: &[&Path], outputs: &[Output<'_>]) -> anyhow::Result
     let mut taken: Vec<PathBuf> = inputs.iter().filter_map(|path| canonical(path)).collect();
     for output in outputs {
         let (Output::File(flag, path) | Output::InNewFolder(flag, path)) = output;
+        if path.is_some_and(|path| path.as_os_str() == "-") {
+            return Err(InputError::expected(
+                flag,
+                "a file; stdout is for the sentences and tables",
+                quoted("-"),
+            )
+            .into());
+        }
         match output {
             Output::File(_, Some(path)) => check_folder(path)?,
             Output::InNewFolder(_, Some(path)) => check_new_folder(path)?,

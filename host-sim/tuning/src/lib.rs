@@ -54,7 +54,7 @@ impl Tuning<'_> {
             Some(machine.map_err(TuningError::from).and_then(|machine| self.tried(machine, Some(candidate))))
         });
         let mut tried: Vec<Tried> = tried.collect::<Result<_, _>>()?;
-        tried.sort_by(|a, b| a.contour_um.total_cmp(&b.contour_um));
+        tried.sort_by(Tried::cmp_error);
         Ok(Proposal { declared, tried, limits: self.limits })
     }
 
@@ -66,9 +66,9 @@ impl Tuning<'_> {
         let is_stable =
             margins.iter().all(|axis| axis.velocity.unstable.or(axis.position.unstable).is_none());
         let contour_um = if is_stable {
-            total_rms_um(&contour_errors(&machine, &none, self.tests, self.instruments)?)
+            Some(total_rms_um(&contour_errors(&machine, &none, self.tests, self.instruments)?))
         } else {
-            f64::INFINITY
+            None
         };
         Ok(Tried { candidate, machine, margins, contour_um })
     }

@@ -1,5 +1,7 @@
 //! The proposal as text and JSON.
 
+use std::cmp::Ordering;
+
 use serde_json::{Value, json};
 
 use super::candidate::Candidate;
@@ -20,8 +22,17 @@ pub struct Tried {
     pub machine: Machine,
     /// The margins of its axes.
     pub margins: Vec<AxisMargins>,
-    /// Rms of the simulated contour error over all motions, µm; infinite: a loop is unstable.
-    pub contour_um: f64,
+    /// Rms of the simulated contour error over all motions, µm; `None`: a loop is unstable.
+    pub contour_um: Option<f64>,
+}
+
+impl Tried {
+    /// Order by the contour error, with unstable loops last.
+    #[must_use]
+    pub fn cmp_error(&self, other: &Self) -> Ordering {
+        let or_infinite = |um: Option<f64>| um.unwrap_or(f64::INFINITY);
+        or_infinite(self.contour_um).total_cmp(&or_infinite(other.contour_um))
+    }
 }
 
 /// The settings that were tried, the best one first.
@@ -39,26 +50,26 @@ impl Proposal {
     /// The best settings, if they are better than the declared ones.
     #[must_use]
     pub fn best(&self) -> Option<&Tried> {
-        self.tried.first().filter(|best| best.contour_um < self.declared.contour_um)
+        self.tried.first().filter(|best| best.cmp_error(&self.declared).is_lt())
     }
 
     /// A sentence, the settings of each axis, and the position loops that were tried.
     #[must_use]
     pub fn text(&self) -> String {
-        let declared_um = self.declared.contour_um;
         let MarginLimits { gain_db, phase_deg } = self.limits;
         let Some(best) = self.best() else {
-            return format!(
-                "No settings with margins of {gain_db} dB and {phase_deg}° have a smaller simulated contour error than the \
-                 declared ones, {declared_um:.2} µm rms."
+            let with_margins = format!("No settings with margins of {gain_db} dB and {phase_deg}°");
+            return self.declared.contour_um.map_or_else(
+                || format!("{with_margins} have stable loops; nor have the declared ones."),
+                |um| {
+                    format!(
+                        "{with_margins} have a smaller simulated contour error than the declared ones, {um:.2} µm rms."
+                    )
+                },
             );
         };
         let mut lines = vec![
-            format!(
-                "With margins of at least {gain_db} dB and {phase_deg}°, the simulated contour error changes from \
-                 {declared_um:.2} to {:.2} µm rms.",
-                best.contour_um
-            ),
+            self.sentence(best),
             String::new(),
             format!(
                 "{:<10}{:>6}{:>10}{:>10}{:>8}{:>12}{:>10}{:>9}{:>20}{:>20}",
@@ -94,6 +105,24 @@ impl Proposal {
         lines.join("\n")
     }
 
+    fn sentence(&self, best: &Tried) -> String {
+        let MarginLimits { gain_db, phase_deg } = self.limits;
+        let with_margins = format!("With margins of at least {gain_db} dB and {phase_deg}°");
+        let best_um = um(best.contour_um, 2);
+        self.declared.contour_um.map_or_else(
+            || {
+                format!(
+                    "{with_margins}, the simulated contour error is {best_um} µm rms; the declared loops are unstable."
+                )
+            },
+            |um| {
+                format!(
+                    "{with_margins}, the simulated contour error changes from {um:.2} to {best_um} µm rms."
+                )
+            },
+        )
+    }
+
     /// The JSON of `tune`.
     #[must_use]
     pub fn json(&self) -> Value {
@@ -116,7 +145,7 @@ impl Proposal {
                 "feedback": tried.candidate.map(|candidate| candidate.feedback),
                 "axis": settings.collect::<serde_json::Map<_, _>>(),
                 "margins": json::of(&tried.margins, self.limits),
-                "contour_error_um": tried.contour_um.is_finite().then_some(tried.contour_um),
+                "contour_error_um": tried.contour_um,
             })
         };
         json!({
@@ -155,18 +184,23 @@ fn loop_words(margins: &LoopMargins) -> String {
     format!("{gain}, {phase}")
 }
 
+/// A contour error, or that there is none.
+fn um(contour_um: Option<f64>, decimals: usize) -> String {
+    contour_um.map_or("unstable".to_owned(), |um| format!("{um:.decimals$}"))
+}
+
 fn candidate_row(tried: &Tried) -> Option<String> {
     let candidate = tried.candidate?;
     let [law, feedback] = [candidate.law.word(), candidate.feedback.word()];
     let gain = tried.machine.axis.values().next()?.settings.controller.position_gain_per_s?;
     Some(format!(
-        "{law:>6}{feedback:>10}{:>8.0}{:>10}{gain:>10.1}{:>16.3}",
+        "{law:>6}{feedback:>10}{:>8.0}{:>10}{gain:>10.1}{:>16}",
         candidate.feedforward_percent,
         if candidate.ahead_ticks > 0.0 {
             format!("{} tick", candidate.ahead_ticks)
         } else {
             "–".to_owned()
         },
-        tried.contour_um
+        um(tried.contour_um, 3)
     ))
 }

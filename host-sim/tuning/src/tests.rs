@@ -76,7 +76,8 @@ fn a_proposal_has_its_margins_and_a_smaller_error() {
         }
     }
     let best = proposal.best().unwrap();
-    assert!(best.contour_um < 0.5 * proposal.declared.contour_um, "{} µm", best.contour_um);
+    let [best_um, declared_um] = [best, &proposal.declared].map(|tried| tried.contour_um.unwrap());
+    assert!(best_um < 0.5 * declared_um, "{best_um} µm");
     let of = |percent: f64| {
         let is = |tried: &&Tried| {
             tried.candidate.is_some_and(|c| {

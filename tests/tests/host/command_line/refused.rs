@@ -305,7 +305,47 @@ fn motions() {
             "turns = 1e9",
             &["motion.toml: line 12: block[2]: expected a total duration of at most 3600 s"],
         ),
+        // 10 mm from rest at 10⁻⁹ m/s² take √(2·0.01/10⁻⁹) s = 4472 s.
+        of(
+            "acceleration_m_per_s2 = 2.0",
+            "acceleration_m_per_s2 = 1e-9",
+            &["motion.toml: line 6: block[0]: expected a total duration of at most 3600 s"],
+        ),
     ]);
+}
+
+/// Each is one line that names the argument, not the usage of the command.
+#[test]
+fn arguments() {
+    let folder = WorkFolder::with(&[("machine.toml", MACHINE), ("motion.toml", MOTION)]);
+    let simulate = "simulate --machine machine.toml --motion motion.toml --out out.csv";
+    for (command, message) in [
+        (format!("{simulate} --seed -1"), "invalid value '-1' for '--seed <SEED>'"),
+        (
+            format!("{simulate} --sed 1"),
+            "unexpected argument '--sed' found; tip: a similar argument exists: '--seed'",
+        ),
+        (
+            "self-test --kind nonsense".to_owned(),
+            "invalid value 'nonsense' for '--kind <KIND>': expected one of textbook,",
+        ),
+        ("improve --rounds 0".to_owned(), "invalid value '0' for '--rounds <N>': 0 is not in 1..=20"),
+        (
+            "trace".to_owned(),
+            "the following required arguments were not provided: --machine <MACHINE> --fit <FIT>",
+        ),
+        ("board jogg".to_owned(), "unrecognized subcommand 'jogg'; tip: a similar subcommand exists: 'jog'"),
+        ("margins --machine machine.toml --json -".to_owned(), "--json: expected a file; stdout is for"),
+    ] {
+        let output = folder.run(&command);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{command}: {error}");
+        assert!(
+            error.lines().count() == 1 && error.starts_with(&format!("lost-motion: {message}")),
+            "{command}: {error}"
+        );
+        assert!(output.stdout.is_empty() && folder.contents().len() == 2, "{command}");
+    }
 }
 
 #[test]

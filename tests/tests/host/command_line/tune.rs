@@ -26,6 +26,19 @@ fn the_proposed_machine_has_the_margins() {
     assert!(machine.contains(&format!("position_gain_per_s = {gain}")), "{machine}");
 }
 
+/// A velocity gain of 10⁷ N·s/m turns the speed of a mass of 200 kg around more than ten times a period of 0.25 ms. Once: "changes from
+/// inf to".
+#[test]
+fn unstable_declared_loops_are_called_so() {
+    let (gain, rest) = MACHINE.split_once("velocity_gain_n_s_per_m = ").unwrap();
+    let (_, rest) = rest.split_once('\n').unwrap();
+    let machine = format!("{gain}velocity_gain_n_s_per_m = 1e7\n{rest}");
+    let folder = WorkFolder::with(&[("machine.toml", machine.as_str()), ("motion.toml", MOTION)]);
+    let stdout = folder.succeeds(TUNE);
+    assert!(stdout.contains(" µm rms; the declared loops are unstable."), "{stdout}");
+    assert!(!stdout.contains("inf"), "{stdout}");
+}
+
 #[test]
 fn a_machine_without_a_mass_is_refused_by_its_key() {
     let without = MACHINE.replace("table_mass_kg", "# table_mass_kg");
