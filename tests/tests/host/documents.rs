@@ -58,6 +58,24 @@ fn targets_of_links_exist() {
     assert!(missing.is_empty(), "links that lead nowhere:\n{}", missing.join("\n"));
 }
 
+/// The book of mdBook has every page, and so has the list of documents.
+#[test]
+fn every_page_is_in_the_summary_and_in_the_list() {
+    let docs = workspace().join("docs");
+    let [summary, list] = ["SUMMARY.md", "README.md"].map(|name| fs::read_to_string(docs.join(name)).unwrap());
+    let mut pages = 0;
+    for path in documents().iter().filter(|path| path.starts_with(&docs)) {
+        let name = path.file_name().unwrap().to_str().unwrap();
+        let is_page = name != "SUMMARY.md" && name != "README.md";
+        if is_page {
+            pages += 1;
+            let link = format!("]({name})");
+            assert!(summary.contains(&link) && list.contains(&link), "{name}");
+        }
+    }
+    assert!(pages > 20, "{pages}");
+}
+
 /// The documents call the program by `cargo run`: the workspace must not leave open which program that is.
 #[test]
 fn cargo_runs_the_program() {

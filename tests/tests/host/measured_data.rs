@@ -18,7 +18,7 @@ fn entries(folder: &Path) -> Vec<PathBuf> {
     entries
 }
 
-/// EMPS, the ball-screw axis of Janot, Gautier and Brunot (2019): the README's figures.
+/// EMPS, the ball-screw axis of Janot, Gautier and Brunot (2019): the figures of `docs/results.md`.
 ///
 /// The bounds are ±1 % of the figures: the fit is deterministic, and a larger change is one of the model, which must be
 /// examined.
@@ -69,28 +69,28 @@ fn the_trace_of_emps_matches_the_readme() {
     }
 }
 
-/// Without feedback: the figures of the README, ±1 % and half of their last digit.
+/// Without feedback: the figures of `docs/results.md`, ±1 % and half of their last digit.
 fn assert_free_runs(axis: &AxisTrace) {
     let rows = ["within 0.1 s", "within 0.5 s", "within 2 s", "over the whole lap"];
     assert_eq!(axis.free_runs.iter().map(|run| run.seconds).collect::<Vec<_>>(), [0.1, 0.5, 2.0, 6.0]);
     for (run, row) in axis.free_runs.iter().zip(rows) {
         for (found_um, (figure_um, half_digit_um)) in
-            [run.declared, run.after].into_iter().zip(readme_um(row))
+            [run.declared, run.after].into_iter().zip(printed_um(row))
         {
             let within_um = 0.01 * figure_um + half_digit_um;
             assert!(
                 (found_um - figure_um).abs() < within_um,
-                "{row}: {found_um} µm, {figure_um} ± {within_um} µm in the README"
+                "{row}: {found_um} µm, {figure_um} ± {within_um} µm in docs/results.md"
             );
         }
     }
 }
 
-/// The two figures of a row of the README's table of free runs, and half of the last digit of each, µm.
-fn readme_um(row: &str) -> [(f64, f64); 2] {
-    const README: &str = include_str!("../../../README.md");
+/// The two figures of a row of the table of free runs in `docs/results.md`, and half of the last digit of each, µm.
+fn printed_um(row: &str) -> [(f64, f64); 2] {
+    const RESULTS: &str = include_str!("../../../docs/results.md");
     let lines: Vec<&str> =
-        README.lines().filter(|line| line.starts_with('|') && line.contains(row)).collect();
+        RESULTS.lines().filter(|line| line.starts_with('|') && line.contains(row)).collect();
     let [line] = lines[..] else { panic!("{row}: {lines:?}") };
     let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
     let um = |cell: &str| {

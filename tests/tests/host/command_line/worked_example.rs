@@ -1,13 +1,10 @@
-//! The worked example of `docs/compensation.md`: its commands are run, and what it shows of their output is compared. `BLESS=1`
-//! writes the outputs again.
+//! Worked examples of documents: their commands are run, and what they show of the output is compared. `BLESS=1` writes the outputs
+//! again.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::work_folder::{MACHINE, WorkFolder};
-
-/// Motions of the example.
-const MOTIONS: [&str; 4] = ["demo_circle", "demo_travel", "demo_ballbar", "demo_corner"];
 
 /// A part of the example: text, or a fenced block with its language.
 struct Part<'a> {
@@ -15,8 +12,22 @@ struct Part<'a> {
     text: &'a str,
 }
 
-fn document() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("docs").join("compensation.md")
+/// An example of a page, which has its machine and motions in the folders of the repository.
+struct Example {
+    /// Page in the folder `docs`.
+    page: &'static str,
+    /// The heading before the example.
+    heading: &'static str,
+    /// The machine file that is declared, by its path and with its text.
+    machine: [&'static str; 2],
+    /// The file of the machine that is run: the declared one with the blocks of TOML that the example shows.
+    true_machine: &'static str,
+    motions: &'static [&'static str],
+    min_commands: usize,
+}
+
+fn document(page: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("docs").join(page)
 }
 
 /// The parts of the text after the heading.
@@ -42,48 +53,86 @@ fn is_same(found: &str, shown: &str) -> bool {
     found.len() == shown.len() && found.iter().zip(&shown).all(same)
 }
 
-#[test]
-fn the_example_shows_what_its_commands_print() {
-    let text = fs::read_to_string(document()).unwrap();
-    let (head, example) = text.split_once("## Worked example\n").unwrap();
-    let folder = WorkFolder::with(&[("true.toml", MACHINE)]);
-    for sub in ["machines", "motions"] {
-        fs::create_dir_all(folder.path().join("host-sim").join(sub)).unwrap();
+impl Example {
+    fn folder(&self) -> WorkFolder {
+        let [machine, text] = self.machine;
+        let folder = WorkFolder::with(&[(self.true_machine, text)]);
+        for sub in ["machines", "motions"] {
+            fs::create_dir_all(folder.path().join("host-sim").join(sub)).unwrap();
+        }
+        fs::write(folder.path().join(machine), text).unwrap();
+        let motions = Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("host-sim").join("motions");
+        for motion in self.motions {
+            let name = format!("{motion}.toml");
+            fs::copy(motions.join(&name), folder.path().join("host-sim/motions").join(&name)).unwrap();
+        }
+        folder
     }
-    fs::write(folder.path().join("host-sim/machines/demo.toml"), MACHINE).unwrap();
-    let motions = Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("host-sim").join("motions");
-    for motion in MOTIONS {
-        let name = format!("{motion}.toml");
-        fs::copy(motions.join(&name), folder.path().join("host-sim/motions").join(&name)).unwrap();
-    }
-    let (mut written, mut stdout, mut commands) = (String::new(), String::new(), 0);
-    for part in parts(example) {
-        let Some(language) = part.language else {
-            written += part.text;
-            continue;
-        };
-        let mut shown = part.text.to_owned();
-        match language {
-            "toml" => fs::write(folder.path().join("true.toml"), format!("{MACHINE}\n{shown}")).unwrap(),
-            "sh" => {
-                let joined = shown.replace("\\\n", " ");
-                for command in joined.lines() {
-                    stdout = folder.succeeds(command.strip_prefix("lost-motion ").unwrap());
-                    commands += 1;
+
+    fn check(&self) {
+        let page = document(self.page);
+        let text = fs::read_to_string(&page).unwrap();
+        let heading = format!("## {}\n", self.heading);
+        let (head, example) = text.split_once(&heading).unwrap();
+        let folder = self.folder();
+        let (mut written, mut stdout, mut commands) = (String::new(), String::new(), 0);
+        for part in parts(example) {
+            let Some(language) = part.language else {
+                written += part.text;
+                continue;
+            };
+            let mut shown = part.text.to_owned();
+            match language {
+                "toml" => {
+                    let machine = format!("{}\n{shown}", self.machine[1]);
+                    fs::write(folder.path().join(self.true_machine), machine).unwrap();
+                }
+                "sh" => {
+                    let joined = shown.replace("\\\n", " ");
+                    for command in joined.lines() {
+                        stdout = folder.succeeds(command.strip_prefix("lost-motion ").unwrap());
+                        commands += 1;
+                    }
+                }
+                _ if std::env::var_os("BLESS").is_some() => shown = trimmed(&stdout),
+                _ => {
+                    let found = trimmed(&stdout);
+                    assert!(is_same(&found, &shown), "found:\n{found}\nin {}:\n{shown}", self.page);
                 }
             }
-            _ if std::env::var_os("BLESS").is_some() => shown = trimmed(&stdout),
-            _ => {
-                let found = trimmed(&stdout);
-                assert!(is_same(&found, &shown), "found:\n{found}\nin docs/compensation.md:\n{shown}");
-            }
+            written += &format!("```{language}\n{shown}```");
         }
-        written += &format!("```{language}\n{shown}```");
+        assert!(commands >= self.min_commands, "{commands}");
+        if std::env::var_os("BLESS").is_some() {
+            fs::write(page, format!("{head}{heading}{written}")).unwrap();
+        }
     }
-    assert!(commands >= 8, "{commands}");
-    if std::env::var_os("BLESS").is_some() {
-        fs::write(document(), format!("{head}## Worked example\n{written}")).unwrap();
-    }
+}
+
+#[test]
+fn the_example_of_a_compensation() {
+    let example = Example {
+        page: "compensation.md",
+        heading: "Worked example",
+        machine: ["host-sim/machines/demo.toml", MACHINE],
+        true_machine: "true.toml",
+        motions: &["demo_circle", "demo_travel", "demo_ballbar", "demo_corner"],
+        min_commands: 8,
+    };
+    example.check();
+}
+
+#[test]
+fn the_example_of_your_own_log() {
+    let example = Example {
+        page: "your-log.md",
+        heading: "Try it on a simulated machine",
+        machine: ["host-sim/machines/vmc.toml", include_str!("../../../../host-sim/machines/vmc.toml")],
+        true_machine: "worn.toml",
+        motions: &["pocket", "circle"],
+        min_commands: 6,
+    };
+    example.check();
 }
 
 /// The output without blanks at the ends of its lines.
