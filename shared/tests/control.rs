@@ -119,7 +119,7 @@ fn the_step_response_of_the_velocity_loop_matches_its_equations() {
 }
 
 /// A mass with viscous friction, and its control loops.
-struct Bench<S: Scalar> {
+struct TestPlant<S: Scalar> {
     config: AxisConfig<S>,
     state: AxisState<S>,
     command_m: f64,
@@ -132,7 +132,7 @@ const RATES: Rates = Rates { velocity_loop_hz: 4000.0, position_loop_divider: 1 
 const MASS_KG: f64 = 60.0;
 const FRICTION_N_S_PER_M: f64 = 2000.0;
 
-impl<S: Scalar> Bench<S> {
+impl<S: Scalar> TestPlant<S> {
     fn new(settings: &AxisSettings) -> Self {
         let config = AxisConfig::new(settings, RATES).unwrap();
         let state = AxisState::at_rest(Position(0), reading(Position(0)));
@@ -184,26 +184,26 @@ fn settings() -> impl Strategy<Value = AxisSettings> {
 /// one and a half ticks.
 fn changes_without_a_jump<S: Scalar>(from: &AxisSettings, to: &AxisSettings) {
     let speed = 0.05;
-    let mut bench = Bench::<S>::new(from);
+    let mut plant = TestPlant::<S>::new(from);
     // 0.5 s of acceleration, 2 s at constant speed.
     for k in 0..2000 {
-        bench.tick(speed * f64::from(k) / 2000.0);
+        plant.tick(speed * f64::from(k) / 2000.0);
     }
     for _ in 0..8000 {
-        bench.tick(speed);
+        plant.tick(speed);
     }
-    bench.change(to);
-    let [command, force] = bench.tick(speed);
+    plant.change(to);
+    let [command, force] = plant.tick(speed);
     assert!(command.abs() < 1e-12 && force.abs() < 1e-9, "{}: {command} m/s, {force} N", S::NAME);
     // The offset is of the order of the speed and decays by Kp·T per tick; a factor of 3 is for the loop itself.
     let most = 3.0 * speed * to.position_gain_per_s / RATES.velocity_loop_hz + 2e-5;
     for _ in 0..400 {
-        let [command, force] = bench.tick(speed);
+        let [command, force] = plant.tick(speed);
         assert!(command.abs() < most, "{}: {command} m/s in a tick, at most {most}", S::NAME);
         assert!(force.abs() < 3.0 * to.velocity_gain_n_s_per_m * most, "{}: {force} N", S::NAME);
     }
     for _ in 0..20_000 {
-        bench.tick(speed);
+        plant.tick(speed);
     }
     // Without an integral part, the friction force b·v needs a velocity error of v·b/Kv.
     let by_friction = if to.velocity_integral_time_s.is_some() {
@@ -212,7 +212,7 @@ fn changes_without_a_jump<S: Scalar>(from: &AxisSettings, to: &AxisSettings) {
         FRICTION_N_S_PER_M / to.velocity_gain_n_s_per_m
     };
     let expected = speed / to.position_gain_per_s * (1.0 - to.feedforward_percent / 100.0 + by_friction);
-    let error = bench.following_error_m() - expected;
+    let error = plant.following_error_m() - expected;
     let tolerance = 1.5 * speed / RATES.velocity_loop_hz;
     assert!(error.abs() < tolerance, "{}: {error} m from {expected}", S::NAME);
 }
@@ -233,8 +233,8 @@ proptest! {
 #[test]
 fn a_change_to_the_same_settings_at_rest_has_no_effect() {
     let settings = AxisSettings { law: Law::Hpc, ..AxisSettings::default() };
-    let mut one = Bench::<Fixed>::new(&settings);
-    let mut other = Bench::<Fixed>::new(&settings);
+    let mut one = TestPlant::<Fixed>::new(&settings);
+    let mut other = TestPlant::<Fixed>::new(&settings);
     other.change(&settings);
     other.tick(0.0);
     one.tick(0.0);

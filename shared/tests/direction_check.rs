@@ -1,4 +1,4 @@
-//! The direction check on a simulated bench of two axes, with both signs of force, encoder and scale.
+//! The direction check on a simulated plant of two axes, with both signs of force, encoder and scale.
 
 use shared::config::{AxisSettings, Rates};
 use shared::drive::analog::AnalogSettings;

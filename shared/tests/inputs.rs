@@ -16,7 +16,7 @@ const LIMITS: SupplyLimits =
     SupplyLimits { min_bus_mv: 36_000, max_bus_mv: 56_000, max_temperature_mc: 80_000 };
 
 /// Two axes that follow their commands exactly.
-struct Bench {
+struct TestBoard {
     at: [Position; 2],
     inputs: Inputs<2>,
     stopped: bool,
@@ -25,7 +25,7 @@ struct Bench {
     enabled: bool,
 }
 
-impl Board<2> for Bench {
+impl Board<2> for TestBoard {
     fn inputs(&mut self) -> Inputs<2> {
         self.inputs
     }
@@ -61,14 +61,14 @@ const GOOD: Supply = Supply { bus_mv: Some(48_000), temperature_mc: Some(30_000)
 
 type System = DriveSystem<'static, Fixed, 2>;
 
-/// A system whose drives are off, and its bench.
-fn off() -> (System, Bench) {
+/// A system whose drives are off, and its board.
+fn off() -> (System, TestBoard) {
     let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
     let machine = Machine::new(rates, &[AxisSettings::default(); 2], [Position(0); 2]).unwrap();
     let amplifiers = [Amplifier::new(1000.0, 8400).unwrap(); 2];
     let (switch, light) = (EnableSwitch::new(2), StatusLight::new(50));
     let system = DriveSystem::new(Box::leak(Box::new(machine)), amplifiers, switch, light);
-    let bench = Bench {
+    let board = TestBoard {
         at: [Position(0); 2],
         inputs: Inputs { supply: GOOD, ..Inputs::NONE },
         stopped: false,
@@ -76,31 +76,31 @@ fn off() -> (System, Bench) {
         duties: [Duty::default(); 2],
         enabled: false,
     };
-    (system.with_supply_limits(LIMITS), bench)
+    (system.with_supply_limits(LIMITS), board)
 }
 
-fn run(system: &mut System, bench: &mut Bench, ticks: u32) {
+fn run(system: &mut System, board: &mut TestBoard, ticks: u32) {
     for _ in 0..ticks {
-        system.tick(bench);
-        bench.at = system.machine().command();
+        system.tick(board);
+        board.at = system.machine().command();
     }
 }
 
-fn enable(system: &mut System, bench: &mut Bench) {
-    bench.closed = false;
-    run(system, bench, 6);
-    bench.closed = true;
-    run(system, bench, 6);
+fn enable(system: &mut System, board: &mut TestBoard) {
+    board.closed = false;
+    run(system, board, 6);
+    board.closed = true;
+    run(system, board, 6);
 }
 
 /// A system that moves both axes in the positive direction at 40 mm/s.
-fn moving() -> (System, Bench) {
-    let (mut system, mut bench) = off();
+fn moving() -> (System, TestBoard) {
+    let (mut system, mut board) = off();
     system.machine_mut().push(&Block::line([0.4, 0.3], 0.05, 1.0)).unwrap();
-    enable(&mut system, &mut bench);
-    run(&mut system, &mut bench, 2000);
-    assert!(bench.enabled && system.machine().power() == Power::On);
-    (system, bench)
+    enable(&mut system, &mut board);
+    run(&mut system, &mut board, 2000);
+    assert!(board.enabled && system.machine().power() == Power::On);
+    (system, board)
 }
 
 const fn on_y(kind: FaultKind) -> Fault {
@@ -108,35 +108,35 @@ const fn on_y(kind: FaultKind) -> Fault {
 }
 
 /// An input, its fault, and whether the drives stay on for a stop.
-type Row = (fn(&mut Bench), Fault, bool);
+type Row = (fn(&mut TestBoard), Fault, bool);
 
 const ROWS: [Row; 9] = [
-    (|bench| bench.inputs.emergency_stop = true, Fault::EmergencyStop, false),
-    (|bench| bench.stopped = true, Fault::HardwareStop, false),
-    (|bench| bench.inputs.supply.bus_mv = Some(56_001), Fault::BusOvervoltage, false),
-    (|bench| bench.inputs.supply.bus_mv = Some(35_999), Fault::BusUndervoltage, false),
-    (|bench| bench.inputs.axes[1].drive_fault = true, on_y(FaultKind::DriveFault), false),
-    (|bench| bench.inputs.axes[1].bad_encoder_signal = true, on_y(FaultKind::EncoderSignal), false),
-    (|bench| bench.inputs.supply.temperature_mc = Some(80_001), Fault::OverTemperature, true),
-    (|bench| bench.inputs.axes[1].limits = [false, true], on_y(FaultKind::LimitSwitch), true),
+    (|board| board.inputs.emergency_stop = true, Fault::EmergencyStop, false),
+    (|board| board.stopped = true, Fault::HardwareStop, false),
+    (|board| board.inputs.supply.bus_mv = Some(56_001), Fault::BusOvervoltage, false),
+    (|board| board.inputs.supply.bus_mv = Some(35_999), Fault::BusUndervoltage, false),
+    (|board| board.inputs.axes[1].drive_fault = true, on_y(FaultKind::DriveFault), false),
+    (|board| board.inputs.axes[1].bad_encoder_signal = true, on_y(FaultKind::EncoderSignal), false),
+    (|board| board.inputs.supply.temperature_mc = Some(80_001), Fault::OverTemperature, true),
+    (|board| board.inputs.axes[1].limits = [false, true], on_y(FaultKind::LimitSwitch), true),
     // Both ends at once, as with a broken cable.
-    (|bench| bench.inputs.axes[1].limits = [true, true], on_y(FaultKind::LimitSwitch), true),
+    (|board| board.inputs.axes[1].limits = [true, true], on_y(FaultKind::LimitSwitch), true),
 ];
 
 /// While the machine moves: off in the same tick, or a stop that has ended within 50 ms (40 mm/s at 1 m/s²) and then off.
 #[test]
 fn each_input_acts_in_the_tick_in_which_it_appears() {
     for (row, (apply, fault, stops)) in ROWS.into_iter().enumerate() {
-        let (mut system, mut bench) = moving();
-        apply(&mut bench);
-        system.tick(&mut bench);
+        let (mut system, mut board) = moving();
+        apply(&mut board);
+        system.tick(&mut board);
         let power = system.machine().power();
         if stops {
-            assert_eq!((power, bench.enabled), (Power::Stopping(fault), true), "row {row}");
-            run(&mut system, &mut bench, 1200);
+            assert_eq!((power, board.enabled), (Power::Stopping(fault), true), "row {row}");
+            run(&mut system, &mut board, 1200);
         }
         assert_eq!(system.machine().power(), Power::Faulted(fault), "row {row}");
-        assert_eq!((bench.enabled, bench.duties), (false, [Duty::default(); 2]), "row {row}");
+        assert_eq!((board.enabled, board.duties), (false, [Duty::default(); 2]), "row {row}");
     }
 }
 
@@ -144,14 +144,14 @@ fn each_input_acts_in_the_tick_in_which_it_appears() {
 #[test]
 fn no_drive_comes_on_while_the_cause_is_present() {
     for (row, (apply, fault, _)) in ROWS.into_iter().enumerate() {
-        let (mut system, mut bench) = off();
-        apply(&mut bench);
+        let (mut system, mut board) = off();
+        apply(&mut board);
         let mut enabled = false;
         for closed in [false, true, false, true] {
-            bench.closed = closed;
+            board.closed = closed;
             for _ in 0..10 {
-                run(&mut system, &mut bench, 1);
-                enabled |= bench.enabled;
+                run(&mut system, &mut board, 1);
+                enabled |= board.enabled;
             }
         }
         let is_limit = matches!(fault, Fault::Axis { kind: FaultKind::LimitSwitch, .. });
@@ -164,10 +164,10 @@ fn no_drive_comes_on_while_the_cause_is_present() {
 /// Blocks further onto a switch are refused before they start, on the axis and in the direction of the switch alone.
 #[test]
 fn a_block_onto_an_active_switch_is_refused_before_it_starts() {
-    let (mut system, mut bench) = off();
-    enable(&mut system, &mut bench);
-    bench.inputs.axes[0].limits = [false, true];
-    run(&mut system, &mut bench, 1);
+    let (mut system, mut board) = off();
+    enable(&mut system, &mut board);
+    board.inputs.axes[0].limits = [false, true];
+    run(&mut system, &mut board, 1);
     let line = |to_m| Block::line(to_m, 0.01, 1.0);
     for to_m in [[1e-6, 0.0], [0.1, -0.1]] {
         let refused = system.machine_mut().push(&line(to_m));
@@ -176,26 +176,26 @@ fn a_block_onto_an_active_switch_is_refused_before_it_starts() {
     // An arc that starts outwards and comes back.
     let arc = Block::arc([0, 1], [0.0, 0.01], 1.0, 0.01, 1.0);
     assert_eq!(system.machine_mut().push(&arc), Err(PathError::LimitSwitch { axis: 0 }));
-    run(&mut system, &mut bench, 100);
-    assert_eq!((bench.at, system.machine().power()), ([Position(0); 2], Power::On));
+    run(&mut system, &mut board, 100);
+    assert_eq!((board.at, system.machine().power()), ([Position(0); 2], Power::On));
     for to_m in [[0.0, 0.001], [-0.001, 0.0]] {
         system.machine_mut().push(&line(to_m)).unwrap();
     }
-    run(&mut system, &mut bench, 20_000);
-    assert_eq!((bench.at[0].to_m(), system.machine().power()), (-0.001, Power::On));
+    run(&mut system, &mut board, 20_000);
+    assert_eq!((board.at[0].to_m(), system.machine().power()), (-0.001, Power::On));
     // Released, the way is open again.
-    bench.inputs.axes[0].limits = [false; 2];
-    run(&mut system, &mut bench, 1);
+    board.inputs.axes[0].limits = [false; 2];
+    run(&mut system, &mut board, 1);
     system.machine_mut().push(&line([0.001, 0.0])).unwrap();
 }
 
 /// Limits of the supply are those of the board: without limits no voltage is a fault.
 #[test]
 fn a_board_without_limits_of_the_supply_accepts_any() {
-    let (system, mut bench) = off();
+    let (system, mut board) = off();
     let mut system = system.with_supply_limits(SupplyLimits::NONE);
-    enable(&mut system, &mut bench);
-    bench.inputs.supply = Supply { bus_mv: Some(0), temperature_mc: Some(i32::MAX) };
-    run(&mut system, &mut bench, 10);
+    enable(&mut system, &mut board);
+    board.inputs.supply = Supply { bus_mv: Some(0), temperature_mc: Some(i32::MAX) };
+    run(&mut system, &mut board, 10);
     assert_eq!(system.machine().power(), Power::On);
 }

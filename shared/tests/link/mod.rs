@@ -1,4 +1,4 @@
-//! The link of a servo board: a server with drives on a simulated bench, and a host that may be slow, silent, wrong or
+//! The link of a servo board: a server with drives on a simulated plant, and a host that may be slow, silent, wrong or
 //! malicious.
 
 mod direction;

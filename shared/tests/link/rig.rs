@@ -1,4 +1,4 @@
-//! A server with drives on a simulated bench of two masses, and a host that speaks to it.
+//! A server with drives on a simulated plant of two masses, and a host that speaks to it.
 
 use std::collections::VecDeque;
 

@@ -68,7 +68,7 @@ pub const fn from_record(number: u32) -> SettingsReport {
     SettingsReport { source: SettingsSource::Record, stored: StoredRecord::Valid(number) }
 }
 
-/// Commands, readings and forces of both axes in a tick, and the exact positions of the bench.
+/// Commands, readings and forces of both axes in a tick, and the exact positions of the plant.
 type Sample = ([i64; 4], [u32; 2], [u64; 2]);
 
 /// A jog there and back in every tick, with both axes homed, so that compensations over the position are applied.

@@ -12,16 +12,16 @@ fn a_reversal_compensation_that_is_set_later_starts_without_a_pulse() {
     let reversal = Reversal { force_n: 300.0, decay_s: 0.02, fade_m_per_s: 0.02 };
     let settings = CompensationSettings { reversal: Some(reversal), ..CompensationSettings::default() };
     for moves in [false, true] {
-        let mut bench = Bench::<f64>::new(&AxisSettings { sensors: Sensors::MOTOR, ..axis() });
-        bench.run(16_000);
+        let mut plant = TestPlant::<f64>::new(&AxisSettings { sensors: Sensors::MOTOR, ..axis() });
+        plant.run(16_000);
         if moves {
-            bench.machine.push(&Block::line([0.1, 0.1], 5e-3, 2.0)).unwrap();
+            plant.machine.push(&Block::line([0.1, 0.1], 5e-3, 2.0)).unwrap();
         }
-        bench.run(4000);
-        bench.machine.compensate(0, &settings).unwrap();
+        plant.run(4000);
+        plant.machine.compensate(0, &settings).unwrap();
         // At rest and at constant speed, a mass without friction needs no force.
         for _ in 0..4000 {
-            let force = bench.tick().forces[0];
+            let force = plant.tick().forces[0];
             assert!(force.abs() < 1.0, "{moves}: {force} N");
         }
     }
@@ -30,45 +30,45 @@ fn a_reversal_compensation_that_is_set_later_starts_without_a_pulse() {
 /// With the drives on, the axis would jump by the difference of the two readings.
 #[test]
 fn sensors_can_be_changed_only_while_the_drives_are_off() {
-    let mut bench = Bench::<Fixed>::new(&AxisSettings { sensors: Sensors::MOTOR, ..axis() });
-    bench.run(16_000);
-    bench.scale_off_m = 0.4e-3;
-    bench.run(1);
+    let mut plant = TestPlant::<Fixed>::new(&AxisSettings { sensors: Sensors::MOTOR, ..axis() });
+    plant.run(16_000);
+    plant.scale_off_m = 0.4e-3;
+    plant.run(1);
     let other = AxisSettings { sensors: Sensors::Table(LIMITS), ..axis() };
-    let error = bench.machine.change(0, &other).unwrap_err();
+    let error = plant.machine.change(0, &other).unwrap_err();
     assert_eq!(error, MachineError::Config { axis: 0, error: ConfigError::NotWhileRunning("sensors") });
-    let position = bench.motor_m[0];
-    bench.run(4000);
-    assert!((bench.motor_m[0] - position).abs() < 1e-6);
-    bench.machine.disable();
-    bench.machine.change(0, &other).unwrap();
-    bench.run(1);
-    bench.machine.enable();
-    bench.run(4000);
-    assert_eq!(bench.machine.power(), Power::On);
-    assert!((bench.motor_m[0] - position).abs() < 1e-6, "{} m", bench.motor_m[0] - position);
+    let position = plant.motor_m[0];
+    plant.run(4000);
+    assert!((plant.motor_m[0] - position).abs() < 1e-6);
+    plant.machine.disable();
+    plant.machine.change(0, &other).unwrap();
+    plant.run(1);
+    plant.machine.enable();
+    plant.run(4000);
+    assert_eq!(plant.machine.power(), Power::On);
+    assert!((plant.motor_m[0] - position).abs() < 1e-6, "{} m", plant.motor_m[0] - position);
 }
 
 /// Without this fault the axis would jump to the scale reading when the scale returns.
 #[test]
 fn a_loop_without_a_reading_of_its_scale_is_not_enabled() {
     for sensors in [Sensors::Table(WIDE), Sensors::Dual { time_constant_s: 0.05, limits: WIDE }] {
-        let mut bench = Bench::<Fixed>::new(&AxisSettings { sensors, ..axis() });
-        bench.scale = false;
-        let output = bench.run(10);
-        assert_eq!(bench.machine.power(), Power::Faulted(on(0, FaultKind::ScaleLost)), "{sensors:?}");
+        let mut plant = TestPlant::<Fixed>::new(&AxisSettings { sensors, ..axis() });
+        plant.scale = false;
+        let output = plant.run(10);
+        assert_eq!(plant.machine.power(), Power::Faulted(on(0, FaultKind::ScaleLost)), "{sensors:?}");
         assert!(!output.enabled && output.forces == [Fixed::ZERO; 2]);
-        (bench.scale, bench.scale_off_m) = (true, 5e-3);
-        bench.machine.enable();
-        bench.run(10);
-        assert!(!bench.machine.power().is_on());
-        bench.machine.disable();
-        bench.run(1);
-        bench.machine.enable();
-        bench.run(4000);
+        (plant.scale, plant.scale_off_m) = (true, 5e-3);
+        plant.machine.enable();
+        plant.run(10);
+        assert!(!plant.machine.power().is_on());
+        plant.machine.disable();
+        plant.run(1);
+        plant.machine.enable();
+        plant.run(4000);
         // The axis holds its position although the scale has an offset of 5 mm.
-        assert_eq!(bench.machine.power(), Power::On);
-        assert!(bench.motor_m[0].abs() < 1e-6, "{} m", bench.motor_m[0]);
+        assert_eq!(plant.machine.power(), Power::On);
+        assert!(plant.motor_m[0].abs() < 1e-6, "{} m", plant.motor_m[0]);
     }
 }
 
@@ -117,15 +117,15 @@ fn before_the_first_enable_the_command_follows_the_axis() {
 
 #[test]
 fn after_a_watchdog_reset_an_enable_needs_an_acknowledgement() {
-    let mut bench = Bench::<Fixed>::new(&axis());
-    bench.machine.inhibit_enable(Fault::Watchdog);
-    bench.run(10);
-    assert_eq!(bench.machine.power(), Power::Faulted(Fault::Watchdog));
-    bench.machine.enable();
-    assert!(!bench.tick().enabled);
-    bench.machine.disable();
-    bench.machine.enable();
-    assert!(bench.tick().enabled);
+    let mut plant = TestPlant::<Fixed>::new(&axis());
+    plant.machine.inhibit_enable(Fault::Watchdog);
+    plant.run(10);
+    assert_eq!(plant.machine.power(), Power::Faulted(Fault::Watchdog));
+    plant.machine.enable();
+    assert!(!plant.tick().enabled);
+    plant.machine.disable();
+    plant.machine.enable();
+    assert!(plant.tick().enabled);
 }
 
 /// The correction stays added to the command while the drives are off.
@@ -138,20 +138,20 @@ fn disabling_and_enabling_repeatedly_does_not_move_a_compensated_axis() {
         pitch: Some(Pitch { of: PitchSource::Screw, forward: pitch, backward: None }),
         ..CompensationSettings::default()
     };
-    let mut bench = Bench::<f64>::new(&AxisSettings { sensors: Sensors::MOTOR, ..axis() });
-    bench.machine.compensate(0, &settings).unwrap();
-    bench.run(24_000);
-    let position = bench.motor_m[0];
+    let mut plant = TestPlant::<f64>::new(&AxisSettings { sensors: Sensors::MOTOR, ..axis() });
+    plant.machine.compensate(0, &settings).unwrap();
+    plant.run(24_000);
+    let position = plant.motor_m[0];
     assert!(((position - 0.2).abs() - 1e-4).abs() < 2e-6, "{position} m");
     for _ in 0..5 {
-        bench.machine.disable();
-        assert_eq!(bench.machine.push(&Block::line([0.01, 0.0], 0.1, 1.0)), Err(PathError::Interrupted));
-        bench.run(10);
-        bench.machine.enable();
+        plant.machine.disable();
+        assert_eq!(plant.machine.push(&Block::line([0.01, 0.0], 0.1, 1.0)), Err(PathError::Interrupted));
+        plant.run(10);
+        plant.machine.enable();
         for _ in 0..2000 {
-            let output = bench.tick();
+            let output = plant.tick();
             assert!(output.forces[0].abs() < 5.0, "{} N", output.forces[0]);
         }
-        assert!((bench.motor_m[0] - position).abs() < 1e-6, "{} m", bench.motor_m[0]);
+        assert!((plant.motor_m[0] - position).abs() < 1e-6, "{} m", plant.motor_m[0]);
     }
 }

@@ -19,14 +19,14 @@ fn a_reversal_far_behind_the_command_is_not_a_frozen_encoder() {
                 sensors: motor_alone(limit),
                 ..axis()
             };
-            let mut bench = Bench::<f64>::new(&settings);
-            bench.run(16_000);
+            let mut plant = TestPlant::<f64>::new(&settings);
+            plant.run(16_000);
             for x in [0.3003, 0.2, 0.3, 0.2] {
-                bench.machine.push(&Block::line([x, 0.1], feed, acceleration)).unwrap();
+                plant.machine.push(&Block::line([x, 0.1], feed, acceleration)).unwrap();
             }
-            bench.run(24_000);
-            assert_eq!(bench.machine.power(), Power::On, "{limit} m, {feed} m/s, {acceleration} m/s²");
-            assert!((bench.motor_m[0] - 0.2).abs() < 1e-5, "{}", bench.motor_m[0]);
+            plant.run(24_000);
+            assert_eq!(plant.machine.power(), Power::On, "{limit} m, {feed} m/s, {acceleration} m/s²");
+            assert!((plant.motor_m[0] - 0.2).abs() < 1e-5, "{}", plant.motor_m[0]);
         }
     }
 }
@@ -70,11 +70,11 @@ fn a_frozen_encoder_switches_the_drives_off() {
 #[test]
 fn a_motor_that_follows_its_command_has_no_frozen_encoder() {
     let settings = AxisSettings { sensors: motor_alone(1e-4), ..axis() };
-    let mut bench = Bench::<Fixed>::new(&settings);
+    let mut plant = TestPlant::<Fixed>::new(&settings);
     for x in [0.1, 0.2, 0.0] {
-        bench.run(12_000);
-        bench.machine.push(&Block::line([x, 0.05], 0.1, 2.0)).unwrap();
+        plant.run(12_000);
+        plant.machine.push(&Block::line([x, 0.05], 0.1, 2.0)).unwrap();
     }
-    bench.run(12_000);
-    assert_eq!(bench.machine.power(), Power::On);
+    plant.run(12_000);
+    assert_eq!(plant.machine.power(), Power::On);
 }

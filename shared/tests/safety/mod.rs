@@ -27,7 +27,7 @@ fn position(m: f64) -> Position {
 }
 
 /// Two axes, each a mass of 50 kg without friction.
-struct Bench<S: Scalar> {
+struct TestPlant<S: Scalar> {
     machine: Machine<S, 2>,
     motor_m: [f64; 2],
     velocity: [f64; 2],
@@ -41,7 +41,7 @@ struct Bench<S: Scalar> {
     scale_frozen_m: Option<f64>,
 }
 
-impl<S: Scalar> Bench<S> {
+impl<S: Scalar> TestPlant<S> {
     fn new(axis: &AxisSettings) -> Self {
         let mut machine = Machine::new(RATES, &[*axis; 2], [Position(0); 2]).unwrap();
         machine.push(&Block::line([0.2, 0.1], 0.1, 2.0)).unwrap();
@@ -109,26 +109,26 @@ const fn on(axis: u8, kind: FaultKind) -> Fault {
 }
 
 /// The drives are switched off in the tick in which the fault occurs.
-fn switches_off_at_once<S: Scalar>(change: impl Fn(&mut Bench<S>), fault: Fault) {
-    let mut bench = Bench::<S>::new(&axis());
-    assert!(bench.run(2000).enabled);
-    change(&mut bench);
-    let output = bench.tick();
-    assert_eq!(bench.machine.power(), Power::Faulted(fault), "{}", S::NAME);
+fn switches_off_at_once<S: Scalar>(change: impl Fn(&mut TestPlant<S>), fault: Fault) {
+    let mut plant = TestPlant::<S>::new(&axis());
+    assert!(plant.run(2000).enabled);
+    change(&mut plant);
+    let output = plant.tick();
+    assert_eq!(plant.machine.power(), Power::Faulted(fault), "{}", S::NAME);
     assert!(!output.enabled && output.forces.iter().all(|force| force.value() == 0.0));
     // An enable has no effect before an acknowledgement.
-    bench.machine.enable();
-    assert!(!bench.tick().enabled);
-    bench.machine.disable();
-    bench.machine.enable();
+    plant.machine.enable();
+    assert!(!plant.tick().enabled);
+    plant.machine.disable();
+    plant.machine.enable();
 }
 
 fn severe_faults<S: Scalar>() {
     // 0.3 mm in a tick of 0.25 ms is 1.2 m/s, above the limit of 0.5 m/s; the disagreement is below its limit of 0.5 mm.
-    switches_off_at_once::<S>(|bench| bench.motor_jump_m = 0.3e-3, on(1, FaultKind::EncoderStep));
-    switches_off_at_once::<S>(|bench| bench.scale_off_m = 0.6e-3, on(0, FaultKind::Disagreement));
-    switches_off_at_once::<S>(|bench| bench.machine.fault(Fault::Overrun), Fault::Overrun);
-    switches_off_at_once::<S>(|bench| bench.machine.fault(Fault::HardwareStop), Fault::HardwareStop);
+    switches_off_at_once::<S>(|plant| plant.motor_jump_m = 0.3e-3, on(1, FaultKind::EncoderStep));
+    switches_off_at_once::<S>(|plant| plant.scale_off_m = 0.6e-3, on(0, FaultKind::Disagreement));
+    switches_off_at_once::<S>(|plant| plant.machine.fault(Fault::Overrun), Fault::Overrun);
+    switches_off_at_once::<S>(|plant| plant.machine.fault(Fault::HardwareStop), Fault::HardwareStop);
 }
 
 #[test]
@@ -140,26 +140,26 @@ fn severe_faults_switch_the_drives_off_in_every_format() {
 
 #[test]
 fn a_following_error_switches_the_drives_off() {
-    let mut bench = Bench::<Fixed>::new(&AxisSettings { following_error_limit_m: 1.5e-3, ..axis() });
+    let mut plant = TestPlant::<Fixed>::new(&AxisSettings { following_error_limit_m: 1.5e-3, ..axis() });
     // At constant speed the error of the first axis is 0.1 m/s·2/√5/Kp = 1.8 mm: it passes 1.5 mm during acceleration.
-    bench.run(2000);
-    assert_eq!(bench.machine.power(), Power::Faulted(on(0, FaultKind::FollowingError)));
+    plant.run(2000);
+    assert_eq!(plant.machine.power(), Power::Faulted(on(0, FaultKind::FollowingError)));
 }
 
 #[test]
 fn a_saturated_force_stops_the_path_after_its_budget() {
-    let mut bench = Bench::<Fixed>::new(&AxisSettings { force_limit_n: 20.0, ..axis() });
+    let mut plant = TestPlant::<Fixed>::new(&AxisSettings { force_limit_n: 20.0, ..axis() });
     // The acceleration needs 50 kg·2 m/s²·2/√5 = 89 N.
     let mut ticks = 0;
-    while !matches!(bench.machine.power(), Power::Stopping(_)) {
-        bench.tick();
+    while !matches!(plant.machine.power(), Power::Stopping(_)) {
+        plant.tick();
         ticks += 1;
-        assert!(ticks < 400, "{:?}", bench.machine.power());
+        assert!(ticks < 400, "{:?}", plant.machine.power());
     }
     // The budget of 10 ms is 40 ticks. The force is saturated some ticks after the start, at a velocity error of
     // 20 N/Kv = 1 mm/s.
     assert!((41..=80).contains(&ticks), "{ticks}");
-    assert_eq!(bench.machine.power(), Power::Stopping(on(0, FaultKind::ForceSaturated)));
+    assert_eq!(plant.machine.power(), Power::Stopping(on(0, FaultKind::ForceSaturated)));
 }
 
 /// The velocity loop is closed on the difference of motor readings. With Kv·Δt/m > 2 the velocity changes its sign and grows
@@ -167,11 +167,11 @@ fn a_saturated_force_stops_the_path_after_its_budget() {
 #[test]
 fn an_unstable_loop_is_stopped_although_its_force_changes_sign() {
     let velocity_gain_n_s_per_m = 2.5 * 50.0 * RATE_HZ;
-    let mut bench =
-        Bench::<f64>::new(&AxisSettings { velocity_gain_n_s_per_m, force_limit_n: 200.0, ..axis() });
+    let mut plant =
+        TestPlant::<f64>::new(&AxisSettings { velocity_gain_n_s_per_m, force_limit_n: 200.0, ..axis() });
     let (mut ticks, mut below, mut sign_changes, mut last) = (0, 0, 0, 0.0);
-    while bench.machine.power() == Power::Off || bench.machine.power().is_on() {
-        let force = bench.tick().forces[0].value();
+    while plant.machine.power() == Power::Off || plant.machine.power().is_on() {
+        let force = plant.tick().forces[0].value();
         below += u32::from(force.abs() < 199.0);
         sign_changes += u32::from(force * last < 0.0);
         last = force;
@@ -183,35 +183,35 @@ fn an_unstable_loop_is_stopped_although_its_force_changes_sign() {
 
 #[test]
 fn a_lost_scale_warns_and_the_motion_continues() {
-    let mut bench = Bench::<Fixed>::new(&axis());
-    bench.run(1000);
-    bench.scale = false;
-    let output = bench.tick();
+    let mut plant = TestPlant::<Fixed>::new(&axis());
+    plant.run(1000);
+    plant.scale = false;
+    let output = plant.tick();
     assert_eq!(output.warning, Some(on(0, FaultKind::ScaleLost)));
-    assert_eq!(bench.run(1000).warning, output.warning);
-    assert_eq!(bench.machine.power(), Power::On);
-    bench.scale = true;
-    assert_eq!(bench.run(100).warning, output.warning);
-    bench.machine.disable();
-    assert_eq!(bench.tick().warning, None);
+    assert_eq!(plant.run(1000).warning, output.warning);
+    assert_eq!(plant.machine.power(), Power::On);
+    plant.scale = true;
+    assert_eq!(plant.run(100).warning, output.warning);
+    plant.machine.disable();
+    assert_eq!(plant.tick().warning, None);
 }
 
 /// A silent host stops a moving machine along its path, with the drives on: from 0.1 m/s with 4 m/s² in 25 ms, 100 ticks, and one for the
 /// standstill. Without force the axis would coast on.
 #[test]
 fn a_silent_host_stops_the_path_before_the_drives_go_off() {
-    let mut bench = Bench::<Fixed>::new(&axis());
-    bench.run(2000);
-    bench.machine.fault(Fault::HostSilent);
-    assert_eq!(bench.machine.power(), Power::Stopping(Fault::HostSilent));
+    let mut plant = TestPlant::<Fixed>::new(&axis());
+    plant.run(2000);
+    plant.machine.fault(Fault::HostSilent);
+    assert_eq!(plant.machine.power(), Power::Stopping(Fault::HostSilent));
     let mut ticks = 0;
-    while bench.machine.power().is_on() {
-        bench.tick();
+    while plant.machine.power().is_on() {
+        plant.tick();
         ticks += 1;
-        assert!(ticks < 200, "{:?}", bench.machine.power());
+        assert!(ticks < 200, "{:?}", plant.machine.power());
     }
-    assert_eq!(bench.machine.power(), Power::Faulted(Fault::HostSilent));
+    assert_eq!(plant.machine.power(), Power::Faulted(Fault::HostSilent));
     assert!((99..=102).contains(&ticks), "{ticks}");
     // The command stands; the axis follows it with Kp = 50/s: 0.1 m/s·e^(−50/s·25 ms) and what the stop has not taken yet.
-    assert!(bench.velocity[0].abs() < 0.06, "{}", bench.velocity[0]);
+    assert!(plant.velocity[0].abs() < 0.06, "{}", plant.velocity[0]);
 }

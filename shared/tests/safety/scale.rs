@@ -3,22 +3,22 @@
 use super::*;
 
 /// Motion of the first motor until the drives go off, m, and the fault. At most 5 s.
-fn motion_until_off<S: Scalar>(bench: &mut Bench<S>) -> (f64, Power) {
-    let start_m = bench.motor_m[0];
-    bench.until_off(|_, _| ());
-    ((bench.motor_m[0] - start_m).abs(), bench.machine.power())
+fn motion_until_off<S: Scalar>(plant: &mut TestPlant<S>) -> (f64, Power) {
+    let start_m = plant.motor_m[0];
+    plant.until_off(|_, _| ());
+    ((plant.motor_m[0] - start_m).abs(), plant.machine.power())
 }
 
 /// The first axis moves at 89 mm/s when its scale stands. With the loop on the scale alone the velocity command grows with the
 /// command, with dual feedback the motor is led to where a scale that stands is not: neither ends by itself. By the description of
 /// `shared::monitor::standing` the fault is there when the motor has moved by the limit since, and not before 46/64 of it, less the
-/// standstill of 1/64. In addition, two ticks at 100 mm/s: that of the reading and the one in which the bench moves on, 50 µm.
+/// standstill of 1/64. In addition, two ticks at 100 mm/s: that of the reading and the one in which the plant moves on, 50 µm.
 fn is_noticed_in_motion<S: Scalar>(sensors: Sensors) {
-    let mut bench = Bench::<S>::new(&AxisSettings { sensors, ..axis() });
-    bench.run(1600);
-    assert_eq!(bench.machine.power(), Power::On);
-    bench.scale_frozen_m = Some(bench.motor_m[0]);
-    let (moved_m, power) = motion_until_off(&mut bench);
+    let mut plant = TestPlant::<S>::new(&AxisSettings { sensors, ..axis() });
+    plant.run(1600);
+    assert_eq!(plant.machine.power(), Power::On);
+    plant.scale_frozen_m = Some(plant.motor_m[0]);
+    let (moved_m, power) = motion_until_off(&mut plant);
     assert_eq!(power, Power::Faulted(on(0, FaultKind::ScaleFrozen)), "{sensors:?} {}", S::NAME);
     let limit_m = LIMITS.frozen_m;
     assert!((limit_m * 45.0 / 64.0..limit_m + 50e-6).contains(&moved_m), "{moved_m} m, {sensors:?}");
@@ -40,10 +40,10 @@ fn a_scale_that_stands_in_motion_switches_the_drives_off() {
 #[test]
 fn a_scale_that_stands_beside_its_command_switches_the_drives_off() {
     for sensors in [Sensors::Table(WIDE), Sensors::Dual { time_constant_s: 0.05, limits: WIDE }] {
-        let mut bench = Bench::<Fixed>::new(&AxisSettings { sensors, ..axis() });
-        bench.run(16_000);
-        bench.scale_frozen_m = Some(bench.motor_m[0] - 0.2e-3);
-        let (moved_m, power) = motion_until_off(&mut bench);
+        let mut plant = TestPlant::<Fixed>::new(&AxisSettings { sensors, ..axis() });
+        plant.run(16_000);
+        plant.scale_frozen_m = Some(plant.motor_m[0] - 0.2e-3);
+        let (moved_m, power) = motion_until_off(&mut plant);
         assert_eq!(power, Power::Faulted(on(0, FaultKind::ScaleFrozen)), "{sensors:?}");
         assert!((0.28e-3..0.31e-3).contains(&moved_m), "{moved_m} m, {sensors:?}");
     }
@@ -103,18 +103,18 @@ fn readings_that_move_together_are_no_fault() {
 /// A scale that is lost and returns elsewhere has not moved there, and a loop on the motor alone is not compared.
 #[test]
 fn a_scale_that_returns_has_not_moved() {
-    let mut bench = Bench::<Fixed>::new(&AxisSettings { sensors: Sensors::Table(WIDE), ..axis() });
-    bench.run(16_000);
-    bench.scale = false;
-    bench.run(100);
-    (bench.scale, bench.scale_off_m) = (true, 5e-3);
-    bench.run(4);
-    assert_eq!(bench.machine.power(), Power::On);
-    let mut bench = Bench::<Fixed>::new(&AxisSettings { sensors: Sensors::MOTOR, ..axis() });
-    bench.run(1600);
-    bench.scale_frozen_m = Some(0.0);
-    bench.run(8000);
-    assert_eq!(bench.machine.power(), Power::On);
+    let mut plant = TestPlant::<Fixed>::new(&AxisSettings { sensors: Sensors::Table(WIDE), ..axis() });
+    plant.run(16_000);
+    plant.scale = false;
+    plant.run(100);
+    (plant.scale, plant.scale_off_m) = (true, 5e-3);
+    plant.run(4);
+    assert_eq!(plant.machine.power(), Power::On);
+    let mut plant = TestPlant::<Fixed>::new(&AxisSettings { sensors: Sensors::MOTOR, ..axis() });
+    plant.run(1600);
+    plant.scale_frozen_m = Some(0.0);
+    plant.run(8000);
+    assert_eq!(plant.machine.power(), Power::On);
 }
 
 /// A loop with a scale has both limits. The greatest distance with one reading standing is 0.5 mm.

@@ -6,18 +6,18 @@ use super::*;
 /// switched off.
 #[test]
 fn a_soft_limit_stops_along_the_path() {
-    let mut bench = Bench::<Fixed>::new(&axis());
-    bench.run(1);
+    let mut plant = TestPlant::<Fixed>::new(&axis());
+    plant.run(1);
     // The travel is reduced during the motion: a block that leaves it would have been rejected.
-    bench.machine.change(0, &AxisSettings { travel_m: Some([-0.01, 0.08]), ..axis() }).unwrap();
+    plant.machine.change(0, &AxisSettings { travel_m: Some([-0.01, 0.08]), ..axis() }).unwrap();
     let mut commands = Vec::new();
     let mut stopping = 0;
-    while bench.machine.power() == Power::Off || bench.machine.power().is_on() {
-        commands.push(bench.tick().commands);
-        stopping += u32::from(matches!(bench.machine.power(), Power::Stopping(_)));
+    while plant.machine.power() == Power::Off || plant.machine.power().is_on() {
+        commands.push(plant.tick().commands);
+        stopping += u32::from(matches!(plant.machine.power(), Power::Stopping(_)));
         assert!(commands.len() < 20_000);
     }
-    assert_eq!(bench.machine.power(), Power::Faulted(on(0, FaultKind::SoftLimit)));
+    assert_eq!(plant.machine.power(), Power::Faulted(on(0, FaultKind::SoftLimit)));
     // 0.1 m/s at 4 m/s²: 25 ms or 100 ticks, plus one for the detection; 1.25 mm along the path, 1.12 mm along x.
     assert!((98..=102).contains(&stopping), "{stopping}");
     let [x, _] = commands[commands.len() - 2].map(Position::to_m);
@@ -30,22 +30,22 @@ fn a_soft_limit_stops_along_the_path() {
 #[test]
 fn soft_limits_are_monitored_while_the_scale_is_lost() {
     for sensors in [Sensors::Table(LIMITS), Sensors::Dual { time_constant_s: 0.05, limits: LIMITS }] {
-        let mut bench = Bench::<Fixed>::new(&AxisSettings { sensors, ..axis() });
-        bench.run(100);
+        let mut plant = TestPlant::<Fixed>::new(&AxisSettings { sensors, ..axis() });
+        plant.run(100);
         // The travel is reduced during the motion: a block that leaves it would have been rejected.
         let narrow = AxisSettings { sensors, travel_m: Some([-0.01, 0.05]), ..axis() };
-        bench.machine.change(0, &narrow).unwrap();
-        bench.scale = false;
-        let warned = bench.tick().warning;
+        plant.machine.change(0, &narrow).unwrap();
+        plant.scale = false;
+        let warned = plant.tick().warning;
         assert_eq!(warned, Some(on(0, FaultKind::ScaleLost)));
         let mut x = 0.0;
-        bench.until_off(|bench, output| {
-            if bench.machine.power().is_on() {
+        plant.until_off(|plant, output| {
+            if plant.machine.power().is_on() {
                 x = output.commands[0].to_m();
             }
             assert!(x < 0.06, "{x}");
         });
-        assert_eq!(bench.machine.power(), Power::Faulted(on(0, FaultKind::SoftLimit)));
+        assert_eq!(plant.machine.power(), Power::Faulted(on(0, FaultKind::SoftLimit)));
         // 0.1 m/s at 4 m/s²: 1.25 mm along the path, 1.12 mm along x, plus 22 µm for the tick of the detection.
         assert!(x > 0.05 + 1.0e-3 && x < 0.05 + 1.2e-3, "{x}");
     }
@@ -53,12 +53,12 @@ fn soft_limits_are_monitored_while_the_scale_is_lost() {
 
 #[test]
 fn a_lost_scale_and_a_soft_limit_in_the_same_tick_are_both_reported() {
-    let mut bench = Bench::<Fixed>::new(&axis());
-    bench.run(2000);
-    bench.machine.change(0, &AxisSettings { travel_m: Some([-0.01, 0.0]), ..axis() }).unwrap();
-    bench.scale = false;
-    let output = bench.tick();
-    assert_eq!(bench.machine.power(), Power::Stopping(on(0, FaultKind::SoftLimit)));
+    let mut plant = TestPlant::<Fixed>::new(&axis());
+    plant.run(2000);
+    plant.machine.change(0, &AxisSettings { travel_m: Some([-0.01, 0.0]), ..axis() }).unwrap();
+    plant.scale = false;
+    let output = plant.tick();
+    assert_eq!(plant.machine.power(), Power::Stopping(on(0, FaultKind::SoftLimit)));
     assert_eq!(output.warning, Some(on(0, FaultKind::ScaleLost)));
 }
 
@@ -67,40 +67,40 @@ fn a_lost_scale_and_a_soft_limit_in_the_same_tick_are_both_reported() {
 #[test]
 fn an_axis_outside_its_travel_can_move_back_but_no_further_out() {
     let narrow = AxisSettings { travel_m: Some([-0.01, 0.05]), ..axis() };
-    let mut bench = Bench::<Fixed>::new(&axis());
-    bench.run(100);
-    bench.machine.change(0, &narrow).unwrap();
-    bench.until_off(|_, _| {});
-    assert_eq!(bench.machine.power(), Power::Faulted(on(0, FaultKind::SoftLimit)));
-    bench.run(4000);
-    bench.machine.disable();
-    bench.run(10);
-    bench.machine.enable();
-    bench.run(400);
+    let mut plant = TestPlant::<Fixed>::new(&axis());
+    plant.run(100);
+    plant.machine.change(0, &narrow).unwrap();
+    plant.until_off(|_, _| {});
+    assert_eq!(plant.machine.power(), Power::Faulted(on(0, FaultKind::SoftLimit)));
+    plant.run(4000);
+    plant.machine.disable();
+    plant.run(10);
+    plant.machine.enable();
+    plant.run(400);
     // The axis holds its position outside the travel.
-    assert_eq!(bench.machine.power(), Power::On);
-    let outside = bench.motor_m[0];
+    assert_eq!(plant.machine.power(), Power::On);
+    let outside = plant.motor_m[0];
     assert!(outside > 0.0505, "{outside}");
     let line = |x| Block::line([x, 0.0], 0.05, 2.0);
-    assert_eq!(bench.machine.push(&line(outside + 1e-3)), Err(PathError::BeyondTravel { axis: 0 }));
-    bench.machine.push(&line(0.0502)).unwrap();
-    bench.run(8000);
-    assert_eq!(bench.machine.power(), Power::On);
-    assert!((bench.motor_m[0] - 0.0502).abs() < 1e-5, "{}", bench.motor_m[0]);
+    assert_eq!(plant.machine.push(&line(outside + 1e-3)), Err(PathError::BeyondTravel { axis: 0 }));
+    plant.machine.push(&line(0.0502)).unwrap();
+    plant.run(8000);
+    assert_eq!(plant.machine.power(), Power::On);
+    assert!((plant.motor_m[0] - 0.0502).abs() < 1e-5, "{}", plant.motor_m[0]);
     // The limit has followed the axis.
-    assert_eq!(bench.machine.push(&line(0.0504)), Err(PathError::BeyondTravel { axis: 0 }));
-    bench.machine.push(&line(0.04)).unwrap();
-    bench.run(8000);
-    assert_eq!(bench.machine.power(), Power::On);
-    assert_eq!(bench.machine.push(&line(0.0501)), Err(PathError::BeyondTravel { axis: 0 }));
+    assert_eq!(plant.machine.push(&line(0.0504)), Err(PathError::BeyondTravel { axis: 0 }));
+    plant.machine.push(&line(0.04)).unwrap();
+    plant.run(8000);
+    assert_eq!(plant.machine.power(), Power::On);
+    assert_eq!(plant.machine.push(&line(0.0501)), Err(PathError::BeyondTravel { axis: 0 }));
 }
 
 #[test]
 fn a_block_that_leaves_the_travel_is_rejected() {
     let bounded = AxisSettings { travel_m: Some([-0.01, 0.3]), ..axis() };
-    let mut bench = Bench::<Fixed>::new(&bounded);
+    let mut plant = TestPlant::<Fixed>::new(&bounded);
     let beyond = |axis| Err(PathError::BeyondTravel { axis });
-    let mut push = |block: Block<2>| bench.machine.push(&block);
+    let mut push = |block: Block<2>| plant.machine.push(&block);
     // The queue ends at (0.2, 0.1).
     assert_eq!(push(Block::line([0.301, 0.1], 0.1, 1.0)), beyond(0));
     assert_eq!(push(Block::line([0.2, -0.011], 0.1, 1.0)), beyond(1));
@@ -160,9 +160,9 @@ fn a_block_that_ends_on_a_soft_limit_is_completed_with_every_filter() {
 
 #[test]
 fn a_path_that_is_stopping_rejects_blocks() {
-    let mut bench = Bench::<Fixed>::new(&axis());
-    bench.run(2000);
-    bench.machine.fault(on(0, FaultKind::SoftLimit));
-    assert_eq!(bench.machine.power(), Power::Stopping(on(0, FaultKind::SoftLimit)));
-    assert_eq!(bench.machine.push(&Block::line([0.0, 0.0], 0.1, 1.0)), Err(PathError::Interrupted));
+    let mut plant = TestPlant::<Fixed>::new(&axis());
+    plant.run(2000);
+    plant.machine.fault(on(0, FaultKind::SoftLimit));
+    assert_eq!(plant.machine.power(), Power::Stopping(on(0, FaultKind::SoftLimit)));
+    assert_eq!(plant.machine.push(&Block::line([0.0, 0.0], 0.1, 1.0)), Err(PathError::Interrupted));
 }

@@ -62,7 +62,8 @@ fn targets_of_links_exist() {
 #[test]
 fn every_page_is_in_the_summary_and_in_the_list() {
     let docs = workspace().join("docs");
-    let [summary, list] = ["SUMMARY.md", "README.md"].map(|name| fs::read_to_string(docs.join(name)).unwrap());
+    let [summary, list] =
+        ["SUMMARY.md", "README.md"].map(|name| fs::read_to_string(docs.join(name)).unwrap());
     let mut pages = 0;
     for path in documents().iter().filter(|path| path.starts_with(&docs)) {
         let name = path.file_name().unwrap().to_str().unwrap();

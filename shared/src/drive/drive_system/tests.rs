@@ -1,4 +1,4 @@
-//! The drive system on a bench of one axis.
+//! The drive system on a test board of one axis.
 
 extern crate std;
 use std::boxed::Box;
@@ -14,7 +14,7 @@ const SETTLING: u32 = 10;
 const BLINK: u32 = 50;
 
 #[expect(clippy::struct_excessive_bools, reason = "inputs and outputs of one bit")]
-struct Bench {
+struct TestBoard {
     at: Position,
     closed: bool,
     stopped: bool,
@@ -24,7 +24,7 @@ struct Bench {
     lit: bool,
 }
 
-impl Board<1> for Bench {
+impl Board<1> for TestBoard {
     fn readings(&mut self) -> [Reading; 1] {
         [Reading { motor: self.at, table: None }]
     }
@@ -54,8 +54,8 @@ impl Board<1> for Bench {
     }
 }
 
-/// A system that has just been enabled with a line to follow, and its test bench.
-fn running() -> (DriveSystem<'static, Fixed, 1>, Bench) {
+/// A system that has just been enabled with a line to follow, and its board.
+fn running() -> (DriveSystem<'static, Fixed, 1>, TestBoard) {
     let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
     let axis = AxisSettings { following_error_limit_m: 1e-3, ..AxisSettings::default() };
     let machine = Box::leak(Box::new(Machine::new(rates, &[axis], [Position(0)]).unwrap()));
@@ -63,7 +63,7 @@ fn running() -> (DriveSystem<'static, Fixed, 1>, Bench) {
     let amplifiers = [Amplifier::new(1000.0, 8400).unwrap()];
     let mut system =
         DriveSystem::new(machine, amplifiers, EnableSwitch::new(SETTLING), StatusLight::new(BLINK));
-    let mut bench = Bench {
+    let mut board = TestBoard {
         at: Position(0),
         closed: false,
         stopped: false,
@@ -72,160 +72,160 @@ fn running() -> (DriveSystem<'static, Fixed, 1>, Bench) {
         enabled: false,
         lit: false,
     };
-    close(&mut system, &mut bench);
-    assert!(bench.enabled && !bench.lit);
-    (system, bench)
+    close(&mut system, &mut board);
+    assert!(board.enabled && !board.lit);
+    (system, board)
 }
 
-fn run(system: &mut DriveSystem<'_, Fixed, 1>, bench: &mut Bench, ticks: u32) {
+fn run(system: &mut DriveSystem<'_, Fixed, 1>, board: &mut TestBoard, ticks: u32) {
     for _ in 0..ticks {
-        system.tick(bench);
+        system.tick(board);
     }
 }
 
-fn close(system: &mut DriveSystem<'_, Fixed, 1>, bench: &mut Bench) {
-    bench.closed = false;
-    run(system, bench, 2 * SETTLING);
-    assert!(!bench.enabled);
-    bench.closed = true;
-    run(system, bench, 2 * SETTLING);
+fn close(system: &mut DriveSystem<'_, Fixed, 1>, board: &mut TestBoard) {
+    board.closed = false;
+    run(system, board, 2 * SETTLING);
+    assert!(!board.enabled);
+    board.closed = true;
+    run(system, board, 2 * SETTLING);
 }
 
 /// With a host, the closed switch only permits an enable: not before a new edge, and no longer once it is open or the
 /// hardware has stopped the drives.
 #[test]
 fn a_host_enables_only_while_the_switch_permits_it() {
-    let (system, mut bench) = running();
+    let (system, mut board) = running();
     let mut system = system.enabled_by_host();
     // Off by the previous way of enabling: the switch is closed without a new edge.
     system.machine_mut().disable();
-    run(&mut system, &mut bench, 2 * SETTLING);
-    assert!(!bench.enabled && !system.is_armed());
+    run(&mut system, &mut board, 2 * SETTLING);
+    assert!(!board.enabled && !system.is_armed());
     assert_eq!(system.enable_by_host(), Err(NotArmed));
-    close(&mut system, &mut bench);
-    assert!(!bench.enabled && system.is_armed(), "the switch alone enables");
+    close(&mut system, &mut board);
+    assert!(!board.enabled && system.is_armed(), "the switch alone enables");
     assert_eq!(system.enable_by_host(), Ok(()));
-    run(&mut system, &mut bench, 1);
-    assert!(bench.enabled);
-    bench.closed = false;
-    run(&mut system, &mut bench, 1);
-    assert_eq!((bench.enabled, system.enable_by_host()), (false, Err(NotArmed)));
-    close(&mut system, &mut bench);
+    run(&mut system, &mut board, 1);
+    assert!(board.enabled);
+    board.closed = false;
+    run(&mut system, &mut board, 1);
+    assert_eq!((board.enabled, system.enable_by_host()), (false, Err(NotArmed)));
+    close(&mut system, &mut board);
     system.enable_by_host().unwrap();
-    run(&mut system, &mut bench, 1);
-    bench.stopped = true;
-    run(&mut system, &mut bench, 1);
-    assert_eq!((bench.enabled, system.enable_by_host()), (false, Err(NotArmed)));
+    run(&mut system, &mut board, 1);
+    board.stopped = true;
+    run(&mut system, &mut board, 1);
+    assert_eq!((board.enabled, system.enable_by_host()), (false, Err(NotArmed)));
     // The stop is released and the fault acknowledged, but the switch has not been operated.
-    bench.stopped = false;
+    board.stopped = false;
     system.machine_mut().disable();
-    run(&mut system, &mut bench, 3 * SETTLING);
-    assert_eq!((bench.enabled, system.enable_by_host()), (false, Err(NotArmed)));
+    run(&mut system, &mut board, 3 * SETTLING);
+    assert_eq!((board.enabled, system.enable_by_host()), (false, Err(NotArmed)));
 }
 
 #[test]
 fn the_force_acts_towards_the_command() {
-    let (mut system, mut bench) = running();
-    run(&mut system, &mut bench, 40);
-    assert!(!bench.duty.reverse && bench.duty.counts > 0, "{:?}", bench.duty);
+    let (mut system, mut board) = running();
+    run(&mut system, &mut board, 40);
+    assert!(!board.duty.reverse && board.duty.counts > 0, "{:?}", board.duty);
 }
 
 /// Asserts that the stages are disabled, the duty is zero, and the light is on unless the drives are off without a fault.
-fn assert_off(system: &DriveSystem<'_, Fixed, 1>, bench: &Bench, power: Power) {
-    assert_eq!((system.machine.power(), bench.enabled, bench.duty), (power, false, Duty::default()));
-    assert_eq!(bench.lit, power != Power::Off);
+fn assert_off(system: &DriveSystem<'_, Fixed, 1>, board: &TestBoard, power: Power) {
+    assert_eq!((system.machine.power(), board.enabled, board.duty), (power, false, Duty::default()));
+    assert_eq!(board.lit, power != Power::Off);
 }
 
 #[test]
 fn an_overrun_or_a_hardware_stop_disables_the_stages_until_a_new_edge() {
     for fault in [Fault::Overrun, Fault::HardwareStop] {
-        let (mut system, mut bench) = running();
-        run(&mut system, &mut bench, 40);
-        (bench.late, bench.stopped) = (fault == Fault::Overrun, fault == Fault::HardwareStop);
-        system.tick(&mut bench);
-        assert_off(&system, &bench, Power::Faulted(fault));
-        (bench.late, bench.stopped) = (false, false);
-        run(&mut system, &mut bench, 1000);
-        assert_off(&system, &bench, Power::Faulted(fault));
+        let (mut system, mut board) = running();
+        run(&mut system, &mut board, 40);
+        (board.late, board.stopped) = (fault == Fault::Overrun, fault == Fault::HardwareStop);
+        system.tick(&mut board);
+        assert_off(&system, &board, Power::Faulted(fault));
+        (board.late, board.stopped) = (false, false);
+        run(&mut system, &mut board, 1000);
+        assert_off(&system, &board, Power::Faulted(fault));
         // The path was discarded: enabled again, the axis holds its new position.
-        bench.at = Position::from_m(0.02).unwrap();
-        close(&mut system, &mut bench);
-        assert_eq!((bench.enabled, bench.lit, bench.duty), (true, false, Duty::default()));
+        board.at = Position::from_m(0.02).unwrap();
+        close(&mut system, &mut board);
+        assert_eq!((board.enabled, board.lit, board.duty), (true, false, Duty::default()));
     }
 }
 
 #[test]
 fn a_hardware_stop_prevents_an_enable() {
-    let (mut system, mut bench) = running();
-    bench.stopped = true;
-    bench.closed = false;
-    run(&mut system, &mut bench, 2 * SETTLING);
-    bench.closed = true;
+    let (mut system, mut board) = running();
+    board.stopped = true;
+    board.closed = false;
+    run(&mut system, &mut board, 2 * SETTLING);
+    board.closed = true;
     for _ in 0..3 * SETTLING {
-        system.tick(&mut bench);
-        assert!(!bench.enabled);
+        system.tick(&mut board);
+        assert!(!board.enabled);
     }
-    assert_off(&system, &bench, Power::Faulted(Fault::HardwareStop));
+    assert_off(&system, &board, Power::Faulted(Fault::HardwareStop));
 }
 
 #[test]
 fn opening_the_switch_disables_the_stages_in_the_same_tick() {
-    let (mut system, mut bench) = running();
-    run(&mut system, &mut bench, 40);
-    bench.closed = false;
-    system.tick(&mut bench);
-    assert_off(&system, &bench, Power::Off);
-    bench.at = Position::from_m(0.02).unwrap();
-    close(&mut system, &mut bench);
-    assert_eq!((bench.enabled, bench.duty), (true, Duty::default()));
+    let (mut system, mut board) = running();
+    run(&mut system, &mut board, 40);
+    board.closed = false;
+    system.tick(&mut board);
+    assert_off(&system, &board, Power::Off);
+    board.at = Position::from_m(0.02).unwrap();
+    close(&mut system, &mut board);
+    assert_eq!((board.enabled, board.duty), (true, Duty::default()));
 }
 
 #[test]
 fn a_following_error_disables_the_stages_in_the_same_tick() {
-    let (mut system, mut bench) = running();
-    bench.at = Position::from_m(2e-3).unwrap();
-    system.tick(&mut bench);
+    let (mut system, mut board) = running();
+    board.at = Position::from_m(2e-3).unwrap();
+    system.tick(&mut board);
     let fault = Fault::Axis { axis: 0, kind: FaultKind::FollowingError };
-    assert_off(&system, &bench, Power::Faulted(fault));
+    assert_off(&system, &board, Power::Faulted(fault));
 }
 
 /// During a stop along the path the stages stay enabled: they decelerate the axis. From 0.1 m/s with the 5 m/s² of the
 /// block, which exceeds the 2 m/s² of a stop, it takes 20 ms: 400 ticks.
 #[test]
 fn the_stages_stay_enabled_until_a_stop_has_ended() {
-    let (mut system, mut bench) = running();
-    let follow = |system: &mut DriveSystem<'_, Fixed, 1>, bench: &mut Bench| {
-        system.tick(bench);
-        bench.at = system.machine.command()[0];
+    let (mut system, mut board) = running();
+    let follow = |system: &mut DriveSystem<'_, Fixed, 1>, board: &mut TestBoard| {
+        system.tick(board);
+        board.at = system.machine.command()[0];
     };
     for _ in 0..2000 {
-        follow(&mut system, &mut bench);
+        follow(&mut system, &mut board);
     }
     let fault = Fault::Axis { axis: 0, kind: FaultKind::SoftLimit };
     system.machine.fault(fault);
     let mut ticks = 0;
     while system.machine.power() == Power::Stopping(fault) {
-        follow(&mut system, &mut bench);
+        follow(&mut system, &mut board);
         ticks += 1;
         let stopped = system.machine.power() == Power::Faulted(fault);
-        assert_eq!((bench.enabled, bench.lit), (!stopped, true));
+        assert_eq!((board.enabled, board.lit), (!stopped, true));
         assert!(ticks < 2000);
     }
     assert!((398..=402).contains(&ticks), "{ticks}");
-    assert_off(&system, &bench, Power::Faulted(fault));
+    assert_off(&system, &board, Power::Faulted(fault));
 }
 
 /// A warning blinks until the drives are disabled.
 #[test]
 fn a_warning_blinks() {
-    let (mut system, mut bench) = running();
+    let (mut system, mut board) = running();
     system.machine.fault(Fault::Axis { axis: 0, kind: FaultKind::ScaleLost });
     let lit = (0..4 * BLINK).map(|_| {
-        system.tick(&mut bench);
-        bench.lit
+        system.tick(&mut board);
+        board.lit
     });
     assert_eq!(lit.filter(|lit| *lit).count(), 2 * BLINK as usize);
-    assert!(bench.enabled);
+    assert!(board.enabled);
 }
 
 /// A drive that records what is demanded of it.

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::bench::Bench;
+use super::emulated_board::EmulatedBoard;
 
 fn document() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("docs").join("board.md")
@@ -25,11 +25,11 @@ fn is_same(found: &str, shown: &str) -> bool {
 /// the last command.
 #[test]
 fn every_step_of_the_page_does_what_it_shows() {
-    let Some(bench) = Bench::new() else { return };
+    let Some(board) = EmulatedBoard::new() else { return };
     let text = fs::read_to_string(document()).unwrap();
     for folder in ["machines", "motions"] {
-        let from = Bench::file("host-sim").join(folder);
-        let to = bench.path().join("host-sim").join(folder);
+        let from = EmulatedBoard::file("host-sim").join(folder);
+        let to = board.path().join("host-sim").join(folder);
         fs::create_dir_all(&to).unwrap();
         for name in fs::read_dir(from).unwrap().map(|entry| entry.unwrap()) {
             fs::copy(name.path(), to.join(name.file_name())).unwrap();
@@ -48,8 +48,8 @@ fn every_step_of_the_page_does_what_it_shows() {
                 for command in block.replace("\\\n", " ").lines() {
                     let arguments = command.strip_prefix("lost-motion ").expect("only this program is run");
                     output = match language {
-                        "sh" => bench.succeeds(arguments),
-                        _ => bench.fails(1, arguments),
+                        "sh" => board.succeeds(arguments),
+                        _ => board.fails(1, arguments),
                     };
                     commands += 1;
                 }

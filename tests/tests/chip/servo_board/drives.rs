@@ -4,55 +4,55 @@ use std::io::{BufRead, BufReader};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use super::bench::Bench;
+use super::emulated_board::EmulatedBoard;
 
 #[test]
 fn a_host_cannot_enable_without_the_switch() {
-    let Some(bench) = Bench::new() else { return };
-    let refused = bench.fails(1, "board enable --port bench");
+    let Some(board) = EmulatedBoard::new() else { return };
+    let refused = board.fails(1, "board enable --port bench");
     assert!(refused.contains("the enable switch is open"), "{refused}");
-    bench.succeeds("board bench close-switch");
-    assert!(bench.succeeds("board status --port bench").contains("the enable switch permits an enable"));
-    bench.succeeds("board enable --port bench");
-    bench.succeeds("board bench open-switch");
-    let status = bench.succeeds("board status --port bench");
+    board.succeeds("board bench close-switch");
+    assert!(board.succeeds("board status --port bench").contains("the enable switch permits an enable"));
+    board.succeeds("board enable --port bench");
+    board.succeeds("board bench open-switch");
+    let status = board.succeeds("board status --port bench");
     assert!(status.contains("drives: off; the enable switch has to be closed"), "{status}");
 }
 
 /// With a frozen encoder the motor runs away from its reading, and the scale shows it; the fault is named, has to be acknowledged, and is in the history.
 #[test]
 fn a_fault_is_named_and_has_to_be_acknowledged() {
-    let Some(bench) = Bench::armed() else { return };
-    bench.succeeds("board enable --port bench");
-    bench.succeeds("board bench freeze-encoder");
-    let failed = bench.fails(1, "board jog --port bench --axis x --by-mm 5");
+    let Some(board) = EmulatedBoard::armed() else { return };
+    board.succeeds("board enable --port bench");
+    board.succeeds("board bench freeze-encoder");
+    let failed = board.fails(1, "board jog --port bench --axis x --by-mm 5");
     let fault = "x: motor and scale disagree";
     assert!(failed.contains(fault), "{failed}");
-    bench.succeeds("board bench thaw-encoder");
-    let refused = bench.fails(1, "board jog --port bench --axis y --by-mm 5");
+    board.succeeds("board bench thaw-encoder");
+    let refused = board.fails(1, "board jog --port bench --axis y --by-mm 5");
     assert!(refused.contains("`board clear` acknowledges it"), "{refused}");
-    let status = bench.succeeds("board status --port bench");
+    let status = board.succeeds("board status --port bench");
     assert!(status.contains(&format!("off by a fault: {fault}")), "{status}");
     assert!(status.contains(&format!("s ago: fault: {fault}")), "{status}");
-    bench.succeeds("board clear --port bench");
-    bench.succeeds("board jog --port bench --axis y --by-mm 1");
+    board.succeeds("board clear --port bench");
+    board.succeeds("board jog --port bench --axis y --by-mm 1");
 }
 
 /// The program that jogs is killed: the board holds the path by itself, and another program resumes it to its end.
 #[test]
 fn a_killed_host_leaves_a_held_path_that_can_be_resumed() {
-    let Some(bench) = Bench::armed() else { return };
-    let mut jog = bench.start("board jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600");
+    let Some(board) = EmulatedBoard::armed() else { return };
+    let mut jog = board.start("board jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600");
     // Of 6 s of motion.
     sleep(Duration::from_secs(2));
     jog.kill().unwrap();
     jog.wait().unwrap();
     sleep(Duration::from_secs(2));
-    let status = bench.succeeds("board status --port bench");
+    let status = board.succeeds("board status --port bench");
     assert!(status.contains("path: jog, held") && status.contains("drives: on"), "{status}");
     assert!(status.contains("the host was silent: path held"), "{status}");
-    bench.succeeds("board resume --port bench");
-    let status = bench.succeeds("board status --port bench");
+    board.succeeds("board resume --port bench");
+    let status = board.succeeds("board status --port bench");
     let x: Vec<&str> =
         status.lines().find(|line| line.starts_with("x ")).unwrap().split_whitespace().collect();
     assert_eq!(x[1], "60.0000", "{status}");
@@ -61,42 +61,42 @@ fn a_killed_host_leaves_a_held_path_that_can_be_resumed() {
 /// Settings that the controller refuses: by file, axis and name, with exit code 2, and the board keeps its own.
 #[test]
 fn a_wrong_setting_is_refused_by_name() {
-    let Some(bench) = Bench::new() else { return };
-    let machine = std::fs::read_to_string(Bench::file("host-sim/machines/bench.toml")).unwrap();
+    let Some(board) = EmulatedBoard::new() else { return };
+    let machine = std::fs::read_to_string(EmulatedBoard::file("host-sim/machines/bench.toml")).unwrap();
     let wrong = machine.replacen("velocity_loop_rate_hz = 20000.0", "velocity_loop_rate_hz = 16000.0", 1);
-    std::fs::write(bench.path().join("wrong.toml"), wrong).unwrap();
-    let refused = bench.fails(2, "board upload --port bench --machine wrong.toml");
+    std::fs::write(board.path().join("wrong.toml"), wrong).unwrap();
+    let refused = board.fails(2, "board upload --port bench --machine wrong.toml");
     assert!(refused.contains("wrong.toml") && refused.contains("expected 20000"), "{refused}");
-    let motion = Bench::file("host-sim/motions/bench_travel.toml").display().to_string();
+    let motion = EmulatedBoard::file("host-sim/motions/bench_travel.toml").display().to_string();
     let record = format!("record --port bench --machine wrong.toml --motion {motion} --out out.csv");
-    let refused = bench.fails(2, &record);
+    let refused = board.fails(2, &record);
     assert!(refused.contains("wrong.toml: velocity_loop_rate_hz: expected 20000, the tick"), "{refused}");
-    std::fs::write(bench.path().join("machine.toml"), machine).unwrap();
-    bench.succeeds("board upload --port bench --machine machine.toml");
+    std::fs::write(board.path().join("machine.toml"), machine).unwrap();
+    board.succeeds("board upload --port bench --machine machine.toml");
 }
 
 /// Nothing moves, and there is no fault: the commands say so.
 #[test]
 fn commands_without_an_effect_say_so() {
-    let Some(bench) = Bench::new() else { return };
-    assert_eq!(bench.succeeds("board hold --port bench"), "No path runs: nothing is held.\n");
-    assert_eq!(bench.succeeds("board clear --port bench"), "There is no fault to acknowledge.\n");
-    let nothing = bench.fails(1, "board capture --port bench --only read --out out.csv");
+    let Some(board) = EmulatedBoard::new() else { return };
+    assert_eq!(board.succeeds("board hold --port bench"), "No path runs: nothing is held.\n");
+    assert_eq!(board.succeeds("board clear --port bench"), "There is no fault to acknowledge.\n");
+    let nothing = board.fails(1, "board capture --port bench --only read --out out.csv");
     assert!(nothing.contains("nothing was recorded"), "{nothing}");
-    bench.succeeds("board capture --port bench --only arm");
-    let nothing = bench.fails(1, "board capture --port bench --only read --out out.csv");
+    board.succeeds("board capture --port bench --only arm");
+    let nothing = board.fails(1, "board capture --port bench --only read --out out.csv");
     assert!(nothing.contains("nothing was recorded: the recording is armed"), "{nothing}");
-    assert!(!bench.path().join("out.csv").exists());
+    assert!(!board.path().join("out.csv").exists());
     // Only the board knows the force limit.
-    let refused = bench.fails(2, "board check-direction --port bench --axis x --force-n 201");
+    let refused = board.fails(2, "board check-direction --port bench --axis x --force-n 201");
     assert!(refused.contains("--force-n: expected newtons above 0 and up to the force limit"), "{refused}");
 }
 
 /// A program that prints for nobody must not keep the drives on.
 #[test]
 fn a_monitor_ends_with_its_reader() {
-    let Some(bench) = Bench::new() else { return };
-    let mut monitor = bench.start_with_output("board monitor --port bench --interval-s 0.1");
+    let Some(board) = EmulatedBoard::new() else { return };
+    let mut monitor = board.start_with_output("board monitor --port bench --interval-s 0.1");
     let mut output = BufReader::new(monitor.stdout.take().unwrap());
     let mut line = String::new();
     output.read_line(&mut line).unwrap();
@@ -118,9 +118,9 @@ fn a_monitor_ends_with_its_reader() {
 
 #[test]
 fn a_port_that_does_not_exist_is_an_input_error() {
-    let Some(bench) = Bench::new() else { return };
-    let refused = bench.fails(2, "board status --port /dev/there-is-no-such-port");
+    let Some(board) = EmulatedBoard::new() else { return };
+    let refused = board.fails(2, "board status --port /dev/there-is-no-such-port");
     assert!(refused.contains("expected emulated, bench, or one of"), "{refused}");
-    let refused = bench.fails(2, "board jog --port bench --axis z --by-mm 1");
+    let refused = board.fails(2, "board jog --port bench --axis z --by-mm 1");
     assert!(refused.contains("expected x or y"), "{refused}");
 }

@@ -5,7 +5,7 @@ use std::process::Command;
 use std::thread::sleep;
 use std::time::Duration;
 
-use super::bench::Bench;
+use super::emulated_board::EmulatedBoard;
 
 /// Width of the backlash of x, which the machine file of the board does not declare, µm.
 const BACKLASH_UM: f64 = 1e6 * firmware::bench::BACKLASH_M[0];
@@ -13,12 +13,12 @@ const BACKLASH_UM: f64 = 1e6 * firmware::bench::BACKLASH_M[0];
 /// 0.5 s of both axes at 20 kHz, from the memory of the board.
 #[test]
 fn every_tick_of_a_jog_is_captured() {
-    let Some(bench) = Bench::armed() else { return };
-    bench.succeeds("board capture --port bench --only arm --trigger motion --seconds 0.5");
-    bench.succeeds("board jog --port bench --axis x --by-mm 8 --speed-mm-per-min 1200");
-    let text = bench.succeeds("board capture --port bench --only read --out jog.csv");
+    let Some(board) = EmulatedBoard::armed() else { return };
+    board.succeeds("board capture --port bench --only arm --trigger motion --seconds 0.5");
+    board.succeeds("board jog --port bench --axis x --by-mm 8 --speed-mm-per-min 1200");
+    let text = board.succeeds("board capture --port bench --only read --out jog.csv");
     assert!(text.starts_with("10000 samples at 20000 Hz in jog.csv"), "{text}");
-    let log = fs::read_to_string(bench.path().join("jog.csv")).unwrap();
+    let log = fs::read_to_string(board.path().join("jog.csv")).unwrap();
     let mut lines = log.lines();
     let names =
         "time_s,x_command_mm,x_motor_mm,x_table_mm,x_force_n,y_command_mm,y_motor_mm,y_table_mm,y_force_n";
@@ -39,21 +39,21 @@ fn every_tick_of_a_jog_is_captured() {
 /// The log goes straight into the tracer, which names the effect that the machine file lacks, with its width, and nothing on y.
 #[test]
 fn the_tracer_finds_the_undeclared_backlash_of_the_board() {
-    let Some(bench) = Bench::armed() else { return };
+    let Some(board) = EmulatedBoard::armed() else { return };
     let [machine, travel, circle] =
         ["machines/bench.toml", "motions/bench_travel.toml", "motions/bench_circle.toml"]
-            .map(|name| Bench::file(&format!("host-sim/{name}")).display().to_string());
+            .map(|name| EmulatedBoard::file(&format!("host-sim/{name}")).display().to_string());
     for axis in ["x", "y"] {
-        let text = bench.succeeds(&format!("board home --port bench --axis {axis}"));
+        let text = board.succeeds(&format!("board home --port bench --axis {axis}"));
         assert!(text.contains("is homed"), "{text}");
     }
-    bench.succeeds(&format!("record --port bench --motion {travel} --out travel.csv"));
-    bench.succeeds(&format!("record --port bench --motion {circle} --out circle.csv"));
-    bench.succeeds(&format!(
+    board.succeeds(&format!("record --port bench --motion {travel} --out travel.csv"));
+    board.succeeds(&format!("record --port bench --motion {circle} --out circle.csv"));
+    board.succeeds(&format!(
         "trace --machine {machine} --fit travel.csv --validate circle.csv --json out.json"
     ));
     let json: serde_json::Value =
-        serde_json::from_str(&fs::read_to_string(bench.path().join("out.json")).unwrap()).unwrap();
+        serde_json::from_str(&fs::read_to_string(board.path().join("out.json")).unwrap()).unwrap();
     let effects = json["effects"].as_array().unwrap();
     let backlash = effects.iter().find(|effect| effect["name"] == "backlash").unwrap();
     assert_eq!(backlash["axis"], "x", "{effects:#?}");
@@ -67,9 +67,9 @@ fn the_tracer_finds_the_undeclared_backlash_of_the_board() {
 /// written.
 #[test]
 fn a_recording_of_a_silent_host_fails_and_leaves_nothing_held() {
-    let Some(bench) = Bench::armed() else { return };
-    let motion = bench.at_start_of_travel();
-    let record = bench.start(&format!("record --port bench --motion {motion} --out travel.csv"));
+    let Some(board) = EmulatedBoard::armed() else { return };
+    let motion = board.at_start_of_travel();
+    let record = board.start(&format!("record --port bench --motion {motion} --out travel.csv"));
     // Of 7 s of motion.
     sleep(Duration::from_secs(2));
     let signal = |name: &str| {
@@ -87,7 +87,7 @@ fn a_recording_of_a_silent_host_fails_and_leaves_nothing_held() {
         message.contains("the board held the path, since this program was silent for 0.5 s"),
         "{message}"
     );
-    assert!(!bench.path().join("travel.csv").exists());
-    let status = bench.succeeds("board status --port bench");
+    assert!(!board.path().join("travel.csv").exists());
+    let status = board.succeeds("board status --port bench");
     assert!(status.contains("path: at rest") && status.contains("drives: on"), "{status}");
 }

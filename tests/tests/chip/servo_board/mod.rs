@@ -2,9 +2,9 @@
 //!
 //! Without `qemu-system-arm` the tests are skipped with a message.
 
-mod bench;
 mod document;
 mod drives;
+mod emulated_board;
 mod logs;
 mod ports;
 mod sensors;

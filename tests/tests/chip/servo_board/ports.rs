@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use serialport::{SerialPort, TTYPort};
 
-use super::bench::Bench;
+use super::emulated_board::EmulatedBoard;
 
 /// Motions of 6 s and more, with what prepares them.
 const MOTIONS: [(&[&str], &str); 4] = [
@@ -40,11 +40,11 @@ fn at_mm(status: &str, axis: &str) -> f64 {
 #[test]
 fn an_interrupt_of_a_motion_leaves_standing_axes() {
     for (before, motion) in MOTIONS {
-        let Some(bench) = Bench::armed() else { return };
+        let Some(board) = EmulatedBoard::armed() else { return };
         for command in before {
-            bench.succeeds(command);
+            board.succeeds(command);
         }
-        let moving = bench.start(motion);
+        let moving = board.start(motion);
         sleep(Duration::from_secs(2));
         interrupt(&moving);
         let output = moving.wait_with_output().unwrap();
@@ -54,12 +54,12 @@ fn an_interrupt_of_a_motion_leaves_standing_axes() {
             message.contains("the axes stand, and the rest of the path is discarded"),
             "{motion}: {message}"
         );
-        let status = bench.succeeds("board status --port bench");
+        let status = board.succeeds("board status --port bench");
         assert!(status.contains("path: at rest") && status.contains("drives: on"), "{motion}: {status}");
         let [x_mm, y_mm] = ["x ", "y "].map(|axis| at_mm(&status, axis));
         assert!(x_mm.abs() < 55.0 && y_mm.abs() < 105.0, "{motion}: {status}");
         sleep(Duration::from_millis(500));
-        let later = bench.succeeds("board status --port bench");
+        let later = board.succeeds("board status --port bench");
         assert!((at_mm(&later, "x ") - x_mm).abs() < 1e-9, "{motion}: {status} {later}");
     }
 }
@@ -67,9 +67,9 @@ fn an_interrupt_of_a_motion_leaves_standing_axes() {
 /// Ctrl-C during a recording stops the motion, and no log is left: neither a whole one nor a part of it.
 #[test]
 fn an_interrupt_of_a_recording_leaves_standing_axes_and_no_log() {
-    let Some(bench) = Bench::armed() else { return };
-    let motion = bench.at_start_of_travel();
-    let recording = bench.start(&format!("record --port bench --motion {motion} --out travel.csv"));
+    let Some(board) = EmulatedBoard::armed() else { return };
+    let motion = board.at_start_of_travel();
+    let recording = board.start(&format!("record --port bench --motion {motion} --out travel.csv"));
     // Of 7 s of motion.
     sleep(Duration::from_secs(2));
     interrupt(&recording);
@@ -77,12 +77,12 @@ fn an_interrupt_of_a_recording_leaves_standing_axes_and_no_log() {
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(130), "{message}");
     assert!(message.contains("the axes stand, and the rest of the path is discarded"), "{message}");
-    let left: Vec<_> = fs::read_dir(bench.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    let left: Vec<_> = fs::read_dir(board.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert!(left.iter().all(|name| !name.to_string_lossy().contains("travel")), "{left:?}");
-    let status = bench.succeeds("board status --port bench");
+    let status = board.succeeds("board status --port bench");
     assert!(status.contains("path: at rest") && status.contains("drives: on"), "{status}");
     sleep(Duration::from_millis(500));
-    let later = bench.succeeds("board status --port bench");
+    let later = board.succeeds("board status --port bench");
     for axis in ["x ", "y "] {
         assert!((at_mm(&later, axis) - at_mm(&status, axis)).abs() < 1e-9, "{status} {later}");
     }
@@ -91,18 +91,18 @@ fn an_interrupt_of_a_recording_leaves_standing_axes_and_no_log() {
 /// Ctrl-C ends a direction check that waits for the switch: closing the switch afterwards pushes nothing.
 #[test]
 fn an_interrupt_of_a_direction_check_ends_it() {
-    let Some(bench) = Bench::new() else { return };
-    bench.succeeds("board status --port bench");
-    let checking = bench.start("board check-direction --port bench --axis x --force-n 40");
+    let Some(board) = EmulatedBoard::new() else { return };
+    board.succeeds("board status --port bench");
+    let checking = board.start("board check-direction --port bench --axis x --force-n 40");
     sleep(Duration::from_secs(1));
     interrupt(&checking);
     let output = checking.wait_with_output().unwrap();
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(130), "{message}");
     assert!(message.contains("the force is off"), "{message}");
-    bench.succeeds("board bench close-switch");
+    board.succeeds("board bench close-switch");
     sleep(Duration::from_millis(500));
-    let status = bench.succeeds("board status --port bench");
+    let status = board.succeeds("board status --port bench");
     let line = status.lines().find(|line| line.starts_with("x ")).unwrap();
     // Motor and scale: the axis stands where it was.
     for mm in line.split_whitespace().skip(2).take(2) {
@@ -113,12 +113,12 @@ fn an_interrupt_of_a_direction_check_ends_it() {
 /// While one program moves an axis, another one is refused at once, with the command and the process of the first. The first goes on.
 #[test]
 fn a_second_program_is_told_who_holds_the_port() {
-    let Some(bench) = Bench::armed() else { return };
-    let moving = bench.start("board jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600");
+    let Some(board) = EmulatedBoard::armed() else { return };
+    let moving = board.start("board jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600");
     sleep(Duration::from_secs(1));
     for command in ["stop", "disable", "status", "hold"] {
         let started = Instant::now();
-        let refused = bench.fails(1, &format!("board {command} --port bench"));
+        let refused = board.fails(1, &format!("board {command} --port bench"));
         assert!(started.elapsed() < Duration::from_secs(2), "{command}: {:?}", started.elapsed());
         let holder = format!(
             "board jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600 (process {})",
@@ -128,20 +128,20 @@ fn a_second_program_is_told_who_holds_the_port() {
     }
     interrupt(&moving);
     assert_eq!(moving.wait_with_output().unwrap().status.code(), Some(130));
-    bench.succeeds("board stop --port bench");
+    board.succeeds("board stop --port bench");
 }
 
 /// A serial port that another program has open, here a pseudo-terminal that this test holds: refused by its name. A process that another
 /// test starts has it as well until it ends, and may be named before.
 #[test]
 fn a_serial_port_of_another_program_is_refused_by_its_name() {
-    let Some(bench) = Bench::new() else { return };
+    let Some(board) = EmulatedBoard::new() else { return };
     let (_master, slave) = TTYPort::pair().unwrap();
     let name = SerialPort::name(&slave).unwrap();
     let own = format!("(process {})", std::process::id());
     let mut refused = String::new();
     for _ in 0..100 {
-        refused = bench.fails(1, &format!("board stop --port {name}"));
+        refused = board.fails(1, &format!("board stop --port {name}"));
         assert!(refused.contains("in use by") && refused.contains("(process "), "{refused}");
         if refused.contains(&own) {
             return;
@@ -154,15 +154,15 @@ fn a_serial_port_of_another_program_is_refused_by_its_name() {
 /// Without the program of the board nothing is built: each command says at once how to build it.
 #[test]
 fn a_missing_program_of_the_board_is_not_built() {
-    let Some(bench) = Bench::new() else { return };
-    let alone = bench.path().join("lost-motion");
+    let Some(board) = EmulatedBoard::new() else { return };
+    let alone = board.path().join("lost-motion");
     fs::copy(tests::program::lost_motion(), &alone).unwrap();
     for command in ["status", "stop", "enable", "monitor", "clear"] {
         let started = Instant::now();
         let output = Command::new(&alone)
             .args(["board", command, "--port", "bench"])
-            .env("LOST_MOTION_BENCH", bench.path().join("none"))
-            .env("CARGO_TARGET_DIR", bench.path().join("target"))
+            .env("LOST_MOTION_BENCH", board.path().join("none"))
+            .env("CARGO_TARGET_DIR", board.path().join("target"))
             .stdin(Stdio::null())
             .output()
             .unwrap();
@@ -171,5 +171,5 @@ fn a_missing_program_of_the_board_is_not_built() {
         assert!(message.contains("build it with `cargo servo`") && message.lines().count() == 1, "{message}");
         assert!(started.elapsed() < Duration::from_secs(5), "{command}: {:?}", started.elapsed());
     }
-    assert!(!bench.path().join("target").exists());
+    assert!(!board.path().join("target").exists());
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::thread::sleep;
 use std::time::Duration;
 
-use super::bench::Bench;
+use super::emulated_board::EmulatedBoard;
 
 /// Positions of motor and scale of x, mm, by the status.
 fn readings_mm(status: &str) -> [f64; 2] {
@@ -15,7 +15,7 @@ fn readings_mm(status: &str) -> [f64; 2] {
 
 /// The machine file of the bench with the loop of x on its scale, and without limits for it: those of a file that declares none hold.
 fn with_scale_in_the_loop(feedback: &str) -> String {
-    let machine = fs::read_to_string(Bench::file("host-sim/machines/bench.toml")).unwrap();
+    let machine = fs::read_to_string(EmulatedBoard::file("host-sim/machines/bench.toml")).unwrap();
     let without: Vec<&str> = machine
         .lines()
         .filter(|line| !line.starts_with("scale_disagreement") && !line.starts_with("frozen_encoder"))
@@ -29,12 +29,12 @@ fn with_scale_in_the_loop(feedback: &str) -> String {
 #[test]
 fn a_frozen_scale_in_the_loop_switches_the_drives_off_within_half_a_millimetre() {
     for feedback in ["feedback = \"table\"", "feedback = \"dual\"\ndual_feedback_time_constant_s = 0.05"] {
-        let Some(bench) = Bench::armed() else { return };
-        fs::write(bench.path().join("machine.toml"), with_scale_in_the_loop(feedback)).unwrap();
-        bench.succeeds("board upload --port bench --machine machine.toml");
-        let moving = bench.start("board jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600");
+        let Some(board) = EmulatedBoard::armed() else { return };
+        fs::write(board.path().join("machine.toml"), with_scale_in_the_loop(feedback)).unwrap();
+        board.succeeds("board upload --port bench --machine machine.toml");
+        let moving = board.start("board jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600");
         sleep(Duration::from_secs(2));
-        bench.succeeds("board bench freeze-scale");
+        board.succeeds("board bench freeze-scale");
         let output = moving.wait_with_output().unwrap();
         let message = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{feedback}: {message}");
@@ -42,7 +42,7 @@ fn a_frozen_scale_in_the_loop_switches_the_drives_off_within_half_a_millimetre()
             message.contains("x: the motor moves and the scale reading does not"),
             "{feedback}: {message}"
         );
-        let status = bench.succeeds("board status --port bench");
+        let status = board.succeeds("board status --port bench");
         assert!(status.contains("drives: off by a fault"), "{status}");
         let [motor_mm, scale_mm] = readings_mm(&status);
         assert!((0.28..0.56).contains(&(motor_mm - scale_mm)), "{feedback}: {status}");
@@ -52,13 +52,13 @@ fn a_frozen_scale_in_the_loop_switches_the_drives_off_within_half_a_millimetre()
 /// By hand, with seconds between the commands: the check still waits, and pushes the axis when the switch is closed.
 #[test]
 fn a_direction_check_by_hand_waits_for_the_switch() {
-    let Some(bench) = Bench::new() else { return };
-    let waits = bench.succeeds("board check-direction --port bench --axis x --force-n 40 --no-wait");
+    let Some(board) = EmulatedBoard::new() else { return };
+    let waits = board.succeeds("board check-direction --port bench --axis x --force-n 40 --no-wait");
     assert!(waits.contains("within 10 s"), "{waits}");
     sleep(Duration::from_secs(5));
-    bench.succeeds("board bench close-switch");
+    board.succeeds("board bench close-switch");
     sleep(Duration::from_secs(1));
-    let status = bench.succeeds("board status --port bench");
+    let status = board.succeeds("board status --port bench");
     assert!(
         status.contains("direction check of x: force, motor encoder and scale have the same"),
         "{status}"
@@ -71,11 +71,11 @@ fn a_direction_check_by_hand_waits_for_the_switch() {
 /// host is tested with the ticks of `shared/tests/link/direction.rs`.
 #[test]
 fn a_direction_check_ends_with_the_next_session() {
-    let Some(bench) = Bench::new() else { return };
-    bench.succeeds("board check-direction --port bench --axis x --force-n 40 --no-wait");
-    bench.succeeds("board status --port bench");
-    bench.succeeds("board bench close-switch");
-    let status = bench.succeeds("board status --port bench");
+    let Some(board) = EmulatedBoard::new() else { return };
+    board.succeeds("board check-direction --port bench --axis x --force-n 40 --no-wait");
+    board.succeeds("board status --port bench");
+    board.succeeds("board bench close-switch");
+    let status = board.succeeds("board status --port bench");
     assert!(status.contains("direction check of x: ended before the enable switch was closed"), "{status}");
     assert!(readings_mm(&status).iter().all(|mm| mm.abs() < 1e-3), "{status}");
 }
@@ -83,12 +83,12 @@ fn a_direction_check_ends_with_the_next_session() {
 /// With a motor encoder that is frozen, the scale ends the force at 0.1 mm; the axis coasts as far again, and the encoder is named.
 #[test]
 fn a_frozen_encoder_ends_a_direction_check_by_the_scale() {
-    let Some(bench) = Bench::new() else { return };
-    bench.succeeds("board bench freeze-encoder");
-    bench.succeeds("board check-direction --port bench --axis x --force-n 40 --no-wait");
-    bench.succeeds("board bench close-switch");
+    let Some(board) = EmulatedBoard::new() else { return };
+    board.succeeds("board bench freeze-encoder");
+    board.succeeds("board check-direction --port bench --axis x --force-n 40 --no-wait");
+    board.succeeds("board bench close-switch");
     sleep(Duration::from_secs(1));
-    let status = bench.succeeds("board status --port bench");
+    let status = board.succeeds("board status --port bench");
     assert!(status.contains("the scale has moved, the motor encoder stands"), "{status}");
     let [motor_mm, scale_mm] = readings_mm(&status);
     assert!(motor_mm.abs() < 1e-3 && (0.15..0.3).contains(&scale_mm), "{status}");

@@ -9,7 +9,7 @@ use shared::link::message::{Jog, Reply, Request};
 use shared::link::report::Activity;
 use shared::safety::{Fault, Power};
 
-use super::bench::Bench;
+use super::emulated_board::EmulatedBoard;
 
 /// Ticks per sample of the stream, from which the host knows the time of the board without a request.
 const DECIMATION: u32 = 200;
@@ -36,8 +36,8 @@ fn listen_until(client: &mut Client, tick: u64) {
 
 #[test]
 fn a_silent_host_holds_the_path_and_then_switches_the_drives_off() {
-    let Some(bench) = Bench::armed() else { return };
-    let port = Port::socket(&bench.path().join("run").join("link")).unwrap();
+    let Some(board) = EmulatedBoard::armed() else { return };
+    let port = Port::socket(&board.path().join("run").join("link")).unwrap();
     let mut client = Client::connect(port, Duration::from_secs(5)).unwrap();
     let times = client.welcome().times;
     let ticks_per_ms = client.welcome().rates.velocity_loop_hz / 1e3;
@@ -69,16 +69,16 @@ fn a_silent_host_holds_the_path_and_then_switches_the_drives_off() {
     // One host at a time.
     drop(client);
     // It does not go on by itself.
-    let refused = bench.fails(1, "board resume --port bench");
+    let refused = board.fails(1, "board resume --port bench");
     assert!(refused.contains("nothing is held"), "{refused}");
-    bench.succeeds("board clear --port bench");
-    bench.succeeds("board enable --port bench");
-    assert!((bench_x_mm(&bench) - 1e3 * at_m).abs() < 0.1);
+    board.succeeds("board clear --port bench");
+    board.succeeds("board enable --port bench");
+    assert!((bench_x_mm(&board) - 1e3 * at_m).abs() < 0.1);
 }
 
 /// The command of x, mm.
-fn bench_x_mm(bench: &Bench) -> f64 {
-    let status = bench.succeeds("board status --port bench");
+fn bench_x_mm(board: &EmulatedBoard) -> f64 {
+    let status = board.succeeds("board status --port bench");
     let line = status.lines().find(|line| line.starts_with("x ")).unwrap();
     line.split_whitespace().nth(1).unwrap().parse().unwrap()
 }

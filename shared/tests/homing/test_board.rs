@@ -51,7 +51,7 @@ const fn default_settings() -> AxisSettings {
     }
 }
 
-/// Towards the negative end, the switch is at 20 to 26 mm of the bench, the index at 24.1 mm.
+/// Towards the negative end, the switch is at 20 to 26 mm of the board, the index at 24.1 mm.
 pub fn homing() -> HomingSettings {
     HomingSettings {
         direction: Direction::Negative,
@@ -67,8 +67,8 @@ pub fn homing() -> HomingSettings {
     }
 }
 
-pub struct Bench {
-    /// Place on the bench, m.
+pub struct TestBoard {
+    /// Position of the simulated axis, m.
     pub at_m: f64,
     pub velocity: f64,
     pub closed: bool,
@@ -82,7 +82,7 @@ pub struct Bench {
     enabled: bool,
 }
 
-impl Bench {
+impl TestBoard {
     pub fn at(at_m: f64) -> Self {
         Self {
             at_m,
@@ -132,7 +132,7 @@ impl Bench {
     }
 }
 
-impl Board<1> for Bench {
+impl Board<1> for TestBoard {
     fn inputs(&mut self) -> Inputs<1> {
         let cell = |m: f64| ((m - self.index_m) / 0.005).floor();
         let (from, to) = (self.previous_m.min(self.at_m), self.previous_m.max(self.at_m));
@@ -176,19 +176,19 @@ impl Board<1> for Bench {
 
 /// Runs a homing to its end.
 pub fn run_homing(
-    bench: &mut Bench,
+    board: &mut TestBoard,
     system: &mut DriveSystem<'static, Fixed, 1>,
     settings: &HomingSettings,
 ) -> HomingStatus {
     system.home(0, settings).unwrap();
     for _ in 0..40 * 20_000 {
-        bench.run(system, 1);
+        board.run(system, 1);
         system.plan_homing();
         match system.homing_status().unwrap() {
             (_, HomingStatus::Running) => {}
             (_, ended) => {
                 // To rest.
-                bench.run(system, 4000);
+                board.run(system, 4000);
                 return ended;
             }
         }

@@ -20,12 +20,12 @@ fn is_lossy(output: &Output) -> bool {
 }
 
 /// A folder in which commands are run, with an emulated board that ends with it.
-pub struct Bench {
+pub struct EmulatedBoard {
     folder: tempfile::TempDir,
     _one: MutexGuard<'static, ()>,
 }
 
-impl Bench {
+impl EmulatedBoard {
     /// A board, not started yet; `None`, with a message, if QEMU is not installed.
     pub fn new() -> Option<Self> {
         let installed = Command::new("qemu-system-arm").arg("--version").stdout(Stdio::null()).status();
@@ -41,9 +41,9 @@ impl Bench {
 
     /// With the enable switch closed.
     pub fn armed() -> Option<Self> {
-        let bench = Self::new()?;
-        bench.succeeds("board bench close-switch");
-        Some(bench)
+        let board = Self::new()?;
+        board.succeeds("board bench close-switch");
+        Some(board)
     }
 
     pub fn path(&self) -> &Path {
@@ -112,7 +112,7 @@ impl Bench {
     }
 }
 
-impl Drop for Bench {
+impl Drop for EmulatedBoard {
     fn drop(&mut self) {
         let _ = self.run("board bench end");
     }
