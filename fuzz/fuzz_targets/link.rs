@@ -10,7 +10,7 @@
 mod rig;
 
 use libfuzzer_sys::fuzz_target;
-use rig::{BOARD, IDENTITY, Line, Memory, SLOTS, STEPS, TICK_HZ, TIMES, TestBench, settings};
+use rig::{BOARD, IDENTITY, Line, Memory, SLOTS, STEPS, TICK_HZ, TIMES, TestPlant, settings};
 use shared::drive::{Amplifier, AnyOutput, DriveSystem, EnableSwitch, StatusLight};
 use shared::interpolate::Block;
 use shared::link::message::{FromBoard, Jog, LONGEST_UPLOAD, Reply, Request, UploadKind};
@@ -29,7 +29,7 @@ struct Board<'m> {
     server: Box<Server>,
     drive: HostedDrive<'m, Fixed, 2>,
     memory: SettingsMemory<Memory>,
-    bench: TestBench,
+    plant: TestPlant,
     line: Line,
     receiver: Receiver,
     header: Header,
@@ -55,22 +55,22 @@ impl Board<'_> {
 
     fn ticks(&mut self, count: u32) {
         for _ in 0..count {
-            let before = self.bench.position_m;
-            self.bench.step();
+            let before = self.plant.position_m;
+            self.plant.step();
             let checking = matches!(self.state().direction, DirectionReport::Running { .. });
-            self.drive.tick(&mut self.bench);
-            if self.bench.enabled {
+            self.drive.tick(&mut self.plant);
+            if self.plant.enabled {
                 assert!(self.permitted || self.was_on && checking, "on without an enable");
-                assert!(self.bench.switch_closed, "on with an open switch");
+                assert!(self.plant.switch_closed, "on with an open switch");
                 self.was_on = true;
             } else {
                 if self.was_on {
                     (self.permitted, self.was_on) = (false, false);
                 } else if self.stood {
-                    assert_eq!(self.bench.position_m, before, "a motion with the drives off");
+                    assert_eq!(self.plant.position_m, before, "a motion with the drives off");
                 }
             }
-            self.stood = self.bench.position_m == before && !self.bench.enabled;
+            self.stood = self.plant.position_m == before && !self.plant.enabled;
             self.poll();
         }
     }
@@ -164,16 +164,16 @@ impl Board<'_> {
             }
             6 => self.ticks(1 + u32::from(first)),
             7 => self.ticks(20 * u32::from(first)),
-            8 => self.bench.switch_closed = first & 1 == 1,
+            8 => self.plant.switch_closed = first & 1 == 1,
             9 => {
                 // Operated, with the time that it needs.
-                self.bench.switch_closed = false;
+                self.plant.switch_closed = false;
                 self.ticks(SETTLING + 5);
-                self.bench.switch_closed = true;
+                self.plant.switch_closed = true;
                 self.ticks(SETTLING + 5);
             }
-            10 => self.bench.stopped = first & 1 == 1,
-            11 => self.bench.scale_lost = first & 1 == 1,
+            10 => self.plant.stopped = first & 1 == 1,
+            11 => self.plant.scale_lost = first & 1 == 1,
             12 => self.request(&Request::Enable),
             13 => self.request(&Request::Jog(Jog {
                 axis: first & 1,
@@ -207,7 +207,7 @@ fuzz_target!(|data: &[u8]| {
         server: Box::new(Server::new(IDENTITY, settings)),
         drive: HostedDrive::new(system, TICK_HZ, TIMES, &STEPS, &mut recording),
         memory: SettingsMemory::new(Store::new(Memory::erased(), SLOTS, BOARD).expect("they fit")),
-        bench: TestBench::default(),
+        plant: TestPlant::default(),
         line: Line::default(),
         receiver: Receiver::NEW,
         header: Header { session: 0, sequence: 0 },

@@ -85,11 +85,11 @@ fn machine() -> Machine<Fixed, 2> {
     Machine::new(rates, &[settings; 2], [Position(0); 2]).unwrap()
 }
 
-fn bench() -> (System, Bench) {
+fn plant() -> (System, Bench) {
     let machine = Box::leak(Box::new(machine()));
     let amplifiers = [Amplifier::new(FULL_N, 8400).unwrap(); 2];
     let system = DriveSystem::new(machine, amplifiers, EnableSwitch::new(2), StatusLight::new(50));
-    let bench = Bench {
+    let plant = Bench {
         at_m: START_M,
         velocity: [0.0; 2],
         drives: [0, 1],
@@ -105,7 +105,7 @@ fn bench() -> (System, Bench) {
         closed: false,
         inputs: Inputs::NONE,
     };
-    (system, bench)
+    (system, plant)
 }
 
 impl Bench {
@@ -158,9 +158,9 @@ fn the_result_names_the_sign_that_is_wrong() {
     for force_sign in [1.0, -1.0] {
         for motor_sign in [1.0, -1.0] {
             for scale_sign in [None, Some(1.0), Some(-1.0)] {
-                let (mut system, mut bench) = bench();
-                (bench.force_sign, bench.motor_sign, bench.scale_sign) = (force_sign, motor_sign, scale_sign);
-                let (result, moved_m) = bench.check(&mut system);
+                let (mut system, mut plant) = plant();
+                (plant.force_sign, plant.motor_sign, plant.scale_sign) = (force_sign, motor_sign, scale_sign);
+                let (result, moved_m) = plant.check(&mut system);
                 let forwards = force_sign * motor_sign > 0.0;
                 let expected = match scale_sign {
                     _ if !forwards => DirectionResult::Reversed,
@@ -177,7 +177,7 @@ fn the_result_names_the_sign_that_is_wrong() {
 
 #[test]
 fn a_closed_brake_is_named() {
-    let (mut system, mut braked) = bench();
+    let (mut system, mut braked) = plant();
     braked.friction_n = 40.0;
     let (result, moved_m) = braked.check(&mut system);
     assert_eq!(result, DirectionResult::NoMotion);
@@ -198,7 +198,7 @@ fn any_reading_that_moves_ends_the_force_and_the_result_names_the_one_that_stand
             (0.0, Some(-1.0), DirectionResult::MotorWithoutMotion),
             (0.0, Some(0.0), DirectionResult::NoMotion),
         ] {
-            let (mut system, mut dead) = bench();
+            let (mut system, mut dead) = plant();
             (dead.force_sign, dead.motor_sign, dead.scale_sign) = (force_sign, motor_sign, scale_sign);
             let (result, moved_m) = dead.check(&mut system);
             assert_eq!(result, expected, "{force_sign} {motor_sign} {scale_sign:?}");
@@ -214,10 +214,10 @@ fn any_reading_that_moves_ends_the_force_and_the_result_names_the_one_that_stand
 fn another_axis_that_moves_ends_the_force() {
     for axis in [0, 1] {
         for (motor_sign, scale_sign) in [(1.0, None), (0.0, Some(1.0)), (0.0, Some(-1.0))] {
-            let (mut system, mut bench) = bench();
-            bench.drives = [1, 0];
-            (bench.motor_sign, bench.scale_sign) = (motor_sign, scale_sign);
-            let (result, moved_m) = bench.check_of(&mut system, axis);
+            let (mut system, mut plant) = plant();
+            plant.drives = [1, 0];
+            (plant.motor_sign, plant.scale_sign) = (motor_sign, scale_sign);
+            let (result, moved_m) = plant.check_of(&mut system, axis);
             assert_eq!(result, DirectionResult::WrongAxis(1 - u8::try_from(axis).unwrap()));
             assert!((0.2e-3..0.31e-3).contains(&moved_m), "{moved_m} m");
         }
@@ -230,52 +230,52 @@ fn a_scale_behind_a_backlash_of_half_the_distance_does_not_stand() {
     for (backlash_m, expected) in
         [(0.1e-3, DirectionResult::Ok), (0.17e-3, DirectionResult::ScaleWithoutMotion)]
     {
-        let (mut system, mut bench) = bench();
-        (bench.scale_sign, bench.backlash_m) = (Some(1.0), backlash_m);
-        assert_eq!(bench.check(&mut system).0, expected, "{backlash_m}");
+        let (mut system, mut plant) = plant();
+        (plant.scale_sign, plant.backlash_m) = (Some(1.0), backlash_m);
+        assert_eq!(plant.check(&mut system).0, expected, "{backlash_m}");
     }
 }
 
 /// Ticks that are late while the check waits do not end it; one that is late while the force acts does.
 #[test]
 fn a_late_tick_ends_a_check_only_while_the_force_acts() {
-    let (mut system, mut bench) = bench();
+    let (mut system, mut plant) = plant();
     system.check_direction(0, &CHECK).unwrap();
-    bench.late = true;
-    bench.run(&mut system, 100);
+    plant.late = true;
+    plant.run(&mut system, 100);
     assert_eq!(system.direction_check(), Some((0, None)));
-    bench.late = false;
-    bench.closed = true;
-    bench.run(&mut system, 50);
-    assert!(bench.enabled);
-    bench.late = true;
-    bench.run(&mut system, 1);
+    plant.late = false;
+    plant.closed = true;
+    plant.run(&mut system, 50);
+    assert!(plant.enabled);
+    plant.late = true;
+    plant.run(&mut system, 1);
     assert_eq!(system.direction_check(), Some((0, Some(DirectionResult::Aborted))));
-    assert!(!bench.enabled);
+    assert!(!plant.enabled);
 }
 
 /// The loops stay open until the check has ended and the switch has been opened and closed again; then the axes hold where they
 /// stand.
 #[test]
 fn the_next_enable_holds_the_axes_where_they_stand() {
-    let (mut system, mut bench) = bench();
+    let (mut system, mut plant) = plant();
     system.check_direction(0, &CHECK).unwrap();
     // An enable by a host has no effect meanwhile.
     system.machine_mut().enable();
-    bench.run(&mut system, 10);
-    assert_eq!((system.machine().power(), bench.enabled), (Power::Off, false));
+    plant.run(&mut system, 10);
+    assert_eq!((system.machine().power(), plant.enabled), (Power::Off, false));
     assert_eq!(system.check_direction(1, &CHECK), Err(DirectionCheckError::NotReady));
-    bench.closed = true;
-    bench.run(&mut system, 8000);
+    plant.closed = true;
+    plant.run(&mut system, 8000);
     assert_eq!(system.direction_check(), Some((0, Some(DirectionResult::OkWithoutScale))));
-    assert_eq!((system.machine().power(), bench.enabled), (Power::Off, false));
-    let at_m = bench.at_m;
-    bench.closed = false;
-    bench.run(&mut system, 10);
-    bench.closed = true;
-    bench.run(&mut system, 2000);
-    assert_eq!((system.machine().power(), bench.enabled), (Power::On, true));
-    for (now, before) in bench.at_m.into_iter().zip(at_m) {
+    assert_eq!((system.machine().power(), plant.enabled), (Power::Off, false));
+    let at_m = plant.at_m;
+    plant.closed = false;
+    plant.run(&mut system, 10);
+    plant.closed = true;
+    plant.run(&mut system, 2000);
+    assert_eq!((system.machine().power(), plant.enabled), (Power::On, true));
+    for (now, before) in plant.at_m.into_iter().zip(at_m) {
         assert!((now - before).abs() < 1e-9);
     }
     assert_eq!(system.check_direction(0, &CHECK), Err(DirectionCheckError::NotReady));
@@ -285,28 +285,28 @@ fn the_next_enable_holds_the_axes_where_they_stand() {
 #[test]
 fn a_check_is_aborted_at_once() {
     let abort: [fn(&mut Bench); 4] = [
-        |bench| bench.closed = false,
-        |bench| bench.inputs.emergency_stop = true,
-        |bench| bench.inputs.axes[1].drive_fault = true,
-        |bench| bench.inputs.axes[0].limits = [false, true],
+        |plant| plant.closed = false,
+        |plant| plant.inputs.emergency_stop = true,
+        |plant| plant.inputs.axes[1].drive_fault = true,
+        |plant| plant.inputs.axes[0].limits = [false, true],
     ];
     for (row, abort) in abort.into_iter().enumerate() {
-        let (mut system, mut bench) = bench();
+        let (mut system, mut plant) = plant();
         system.check_direction(0, &CHECK).unwrap();
-        bench.run(&mut system, 10);
-        bench.closed = true;
-        bench.run(&mut system, 50);
-        assert!(bench.enabled);
-        abort(&mut bench);
-        bench.run(&mut system, 1);
-        assert!(!bench.enabled, "row {row}");
+        plant.run(&mut system, 10);
+        plant.closed = true;
+        plant.run(&mut system, 50);
+        assert!(plant.enabled);
+        abort(&mut plant);
+        plant.run(&mut system, 1);
+        assert!(!plant.enabled, "row {row}");
         assert_eq!(system.direction_check(), Some((0, Some(DirectionResult::Aborted))), "row {row}");
     }
 }
 
 #[test]
 fn settings_out_of_range_are_refused() {
-    let (mut system, _) = bench();
+    let (mut system, _) = plant();
     let mut refused = |axis, settings: DirectionCheckSettings| system.check_direction(axis, &settings).err();
     let named = |name| Some(DirectionCheckError::Setting(name));
     assert_eq!(refused(2, CHECK), Some(DirectionCheckError::NotReady));
@@ -326,15 +326,15 @@ fn settings_out_of_range_are_refused() {
 /// before it can start the check, and opening it does not end the check that has not begun.
 #[test]
 fn a_closed_switch_is_opened_before_the_check_and_does_not_end_it() {
-    let (mut system, mut bench) = bench();
-    bench.run(&mut system, 10);
-    bench.closed = true;
-    bench.run(&mut system, 10);
+    let (mut system, mut plant) = plant();
+    plant.run(&mut system, 10);
+    plant.closed = true;
+    plant.run(&mut system, 10);
     assert_eq!(system.machine().power(), Power::On);
     system.machine_mut().disable();
-    bench.run(&mut system, 10);
+    plant.run(&mut system, 10);
     assert_eq!(system.machine().power(), Power::Off);
-    assert_eq!(bench.check(&mut system).0, DirectionResult::OkWithoutScale);
+    assert_eq!(plant.check(&mut system).0, DirectionResult::OkWithoutScale);
 }
 
 /// Drives that take a force are checked, by PWM as by ±10 V. One that takes steps has no force, and is refused.

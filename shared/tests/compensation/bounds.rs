@@ -70,7 +70,7 @@ fn stays_within_rate_and_bound<S: Scalar>(
     [first, second, replacement]: [&CompensationSettings; 3],
     moves: &[([f64; 2], u8)],
 ) {
-    let mut bench = Bench::<S>::new([first, second]);
+    let mut plant = Bench::<S>::new([first, second]);
     let fastest = |rate: fn(&CompensationSettings) -> f64| {
         [first, second, replacement].map(rate).into_iter().fold(0.0, f64::max)
     };
@@ -82,16 +82,16 @@ fn stays_within_rate_and_bound<S: Scalar>(
     for &(to, action) in moves {
         let from = positions;
         match action {
-            0..=12 => bench.all.switch(0, CompensationKind::ALL[usize::from(action)], action % 2 == 0),
-            13 => bench.all.replace(0, &AxisCompensation::new(replacement, RATES, FIRST_AXIS).unwrap()),
-            14 => bench.all.replace(0, &AxisCompensation::new(first, RATES, FIRST_AXIS).unwrap()),
-            _ => CompensationKind::ALL.into_iter().for_each(|item| bench.all.switch(0, item, true)),
+            0..=12 => plant.all.switch(0, CompensationKind::ALL[usize::from(action)], action % 2 == 0),
+            13 => plant.all.replace(0, &AxisCompensation::new(replacement, RATES, FIRST_AXIS).unwrap()),
+            14 => plant.all.replace(0, &AxisCompensation::new(first, RATES, FIRST_AXIS).unwrap()),
+            _ => CompensationKind::ALL.into_iter().for_each(|item| plant.all.switch(0, item, true)),
         }
         for k in 1..=200 {
             let fraction = f64::from(k) / 200.0;
             positions = [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * fraction);
-            let before = bench.added;
-            bench.tick(positions, positions);
+            let before = plant.added;
+            plant.tick(positions, positions);
             let (rate, rise) = (m_per_s / RATE_HZ + step_m, n_per_s / RATE_HZ + step_n);
             #[expect(clippy::needless_range_loop, reason = "of two arrays, one inside the other")]
             for axis in 0..2 {
@@ -101,7 +101,7 @@ fn stays_within_rate_and_bound<S: Scalar>(
                         .enumerate()
                 {
                     let (value, change) =
-                        (bench.added[channel][axis], bench.added[channel][axis] - before[channel][axis]);
+                        (plant.added[channel][axis], plant.added[channel][axis] - before[channel][axis]);
                     assert!(value.abs() <= bound, "{}: channel {channel}: {value:e} of {bound:e}", S::NAME);
                     assert!(change.abs() <= most, "{}: channel {channel}: {change:e} of {most:e}", S::NAME);
                 }
@@ -133,23 +133,23 @@ fn a_removed_compensation_fades_out() {
         ..CompensationSettings::default()
     };
     let none = CompensationSettings::default();
-    let mut bench = Bench::<f64>::new([&dividing, &none]);
-    bench.settle([0.0; 2], [0.001, 0.0]);
+    let mut plant = Bench::<f64>::new([&dividing, &none]);
+    plant.settle([0.0; 2], [0.001, 0.0]);
     // A reversal of the command starts the force pulse.
     for k in 0..4 {
-        bench.tick([0.001 - 1e-5 * f64::from(k), 0.0], [0.001, 0.0]);
+        plant.tick([0.001 - 1e-5 * f64::from(k), 0.0], [0.001, 0.0]);
     }
-    let before = bench.added;
+    let before = plant.added;
     assert!(before[1][0].abs() > 1e-6 && before[2][0].abs() > 1.0, "{before:?}");
-    bench.all.replace(0, &AxisCompensation::new(&none, RATES, FIRST_AXIS).unwrap());
+    plant.all.replace(0, &AxisCompensation::new(&none, RATES, FIRST_AXIS).unwrap());
     let mut last = before;
     for _ in 0..40_000 {
-        bench.tick([0.001, 0.0], [0.001, 0.0]);
+        plant.tick([0.001, 0.0], [0.001, 0.0]);
         for (kind, rate) in [(1, none.position_rate_m_per_s), (2, none.force_rate_n_per_s)] {
-            let step = (bench.added[kind][0] - last[kind][0]).abs();
+            let step = (plant.added[kind][0] - last[kind][0]).abs();
             assert!(step <= rate / RATE_HZ * (1.0 + 1e-6) + 1e-12, "{kind}: {step}");
         }
-        last = bench.added;
+        last = plant.added;
     }
     assert!(last.iter().all(|added| added[0].abs() < 1e-12), "{last:?}");
 }

@@ -117,18 +117,18 @@ fn more_items() -> Vec<(CompensationKind, CompensationSettings, usize, Expected)
 /// the amplitude, 2.4 nm (3.4 nm for the two of the screw) and 7.2 mN; the rest is for the number format.
 fn cancels<S: Scalar>(to: [f64; 2]) {
     for (item, settings, channel, expected) in items().into_iter().chain(more_items()) {
-        let mut bench = Bench::<S>::new([&settings, &CompensationSettings::default()]);
-        bench.settle([to[0] - 0.02, to[1] - 0.02], to);
-        let (added, exact) = (bench.added[channel][0], expected(to[0], to[1]));
+        let mut plant = Bench::<S>::new([&settings, &CompensationSettings::default()]);
+        plant.settle([to[0] - 0.02, to[1] - 0.02], to);
+        let (added, exact) = (plant.added[channel][0], expected(to[0], to[1]));
         let tolerance = if channel == 2 { 10e-3 } else { 4e-9 };
         assert!((added - exact).abs() < tolerance, "{} {item:?}: {added:e}, expected {exact:e}", S::NAME);
         // Switched off the correction is zero; switched on again it has the same value.
-        bench.all.switch(0, item, false);
-        bench.settle(to, to);
-        assert!(bench.added[channel][0].abs() < 1e-12, "{item:?} off: {:e}", bench.added[channel][0]);
-        bench.all.switch(0, item, true);
-        bench.settle(to, to);
-        assert!((bench.added[channel][0] - added).abs() < 1e-12, "{item:?} switched on again");
+        plant.all.switch(0, item, false);
+        plant.settle(to, to);
+        assert!(plant.added[channel][0].abs() < 1e-12, "{item:?} off: {:e}", plant.added[channel][0]);
+        plant.all.switch(0, item, true);
+        plant.settle(to, to);
+        assert!((plant.added[channel][0] - added).abs() < 1e-12, "{item:?} switched on again");
     }
 }
 
@@ -142,15 +142,15 @@ fn cancels_talk<S: Scalar>(cross: bool) {
     } else {
         CompensationSettings { intalk: Some(Talk::Constant(c)), ..CompensationSettings::default() }
     };
-    let mut bench = Bench::<S>::new([&settings, &CompensationSettings::default()]);
+    let mut plant = Bench::<S>::new([&settings, &CompensationSettings::default()]);
     let mut worst = 0.0f64;
     for k in 0..8000 {
         let angle = omega * f64::from(k) / RATE_HZ;
         let positions = [radius * angle.cos(), radius * angle.sin()];
-        bench.tick(positions, positions);
+        plant.tick(positions, positions);
         let acceleration = -omega * omega * if cross { positions[1] } else { positions[0] };
         if k > 4000 {
-            worst = worst.max((bench.added[0][0] + c * acceleration).abs());
+            worst = worst.max((plant.added[0][0] + c * acceleration).abs());
         }
     }
     let amplitude = c * omega * omega * radius;
@@ -177,10 +177,10 @@ fn pitch_correction_depends_on_direction_and_source() {
         ..CompensationSettings::default()
     };
     for (of, sign) in [(PitchSource::Screw, -1.0), (PitchSource::Scale, 1.0)] {
-        let mut bench = Bench::<Fixed>::new([&both(of), &CompensationSettings::default()]);
+        let mut plant = Bench::<Fixed>::new([&both(of), &CompensationSettings::default()]);
         for (from, to, value) in [(0.0, 0.05, 2e-6), (0.05, 0.02, 5e-6), (0.02, 0.03, 2e-6)] {
-            bench.settle([from, 0.0], [to, 0.0]);
-            assert!((bench.added[0][0] - sign * value).abs() < 1e-10, "{of:?}: {:e}", bench.added[0][0]);
+            plant.settle([from, 0.0], [to, 0.0]);
+            assert!((plant.added[0][0] - sign * value).abs() < 1e-10, "{of:?}: {:e}", plant.added[0][0]);
         }
     }
 }

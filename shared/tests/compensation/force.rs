@@ -38,15 +38,15 @@ fn worst<S: Scalar>(
     mut expected: impl FnMut(f64, [f64; 3]) -> f64,
 ) -> [f64; 2] {
     let settings = settings(model.clone());
-    let mut bench = Bench::<S>::new([&settings, &CompensationSettings::default()]);
+    let mut plant = Bench::<S>::new([&settings, &CompensationSettings::default()]);
     let (mut worst, mut greatest) = (0.0f64, 0.0f64);
     for k in 1..8000 {
         let t = f64::from(k) / RATE_HZ;
         let [x, ..] = stroke.at(t);
-        bench.tick([x, 0.0], [x, 0.0]);
+        plant.tick([x, 0.0], [x, 0.0]);
         let exact = expected(t, stroke.at(t - 0.5 / RATE_HZ));
         if k >= from {
-            worst = worst.max((bench.added[2][0] - exact).abs());
+            worst = worst.max((plant.added[2][0] - exact).abs());
             greatest = greatest.max(exact.abs());
         }
     }
@@ -163,15 +163,15 @@ fn follows_additional_friction<S: Scalar>(stiffness: Option<f64>) {
     let mut worst = 0.0f64;
     let stroke = SLOW;
     let bench_settings = settings(model);
-    let mut bench = Bench::<S>::new([&bench_settings, &CompensationSettings::default()]);
+    let mut plant = Bench::<S>::new([&bench_settings, &CompensationSettings::default()]);
     for k in 1..8000 {
         let t = f64::from(k) / RATE_HZ;
         let [x, v, _] = stroke.at(t);
-        bench.tick([x, 0.0], [x, 0.0]);
+        plant.tick([x, 0.0], [x, 0.0]);
         let from_reversal = (t + 1e-9) % 0.5;
         if (0.05..0.45).contains(&from_reversal) {
             let exact = (100.0 + 500.0 * x + 30.0 * (-t / 0.5).exp()) * v.signum();
-            worst = worst.max((bench.added[2][0] - exact).abs());
+            worst = worst.max((plant.added[2][0] - exact).abs());
         }
     }
     // At 39 mm/s the excess is 0; the decay over time is linear within an eighth of an octave, 30 N·0.0021; the map is
@@ -209,18 +209,18 @@ fn stretch_follows_the_force<S: Scalar>(is_applied: bool) {
         ..ForceModel::default()
     };
     let settings = CompensationSettings { stretch_m_per_n: Some(1e-8), ..settings(model) };
-    let mut bench = Bench::<S>::new([&settings, &CompensationSettings::default()]);
-    bench.all.switch(0, CompensationKind::Force, is_applied);
+    let mut plant = Bench::<S>::new([&settings, &CompensationSettings::default()]);
+    plant.all.switch(0, CompensationKind::Force, is_applied);
     let mut worst = 0.0f64;
     for k in 1..4000 {
         let t = f64::from(k) / RATE_HZ;
         let [x, ..] = SLOW.at(t);
-        bench.tick([x, 0.0], [x, 0.0]);
+        plant.tick([x, 0.0], [x, 0.0]);
         let [_, v, a] = SLOW.at(t - 0.5 / RATE_HZ);
         if k > 100 {
-            worst = worst.max((bench.added[0][0] - 1e-8 * (100.0 * a + 800.0 * v)).abs());
+            worst = worst.max((plant.added[0][0] - 1e-8 * (100.0 * a + 800.0 * v)).abs());
         }
-        assert_eq!(is_applied, bench.added[2][0] != 0.0, "tick {k}");
+        assert_eq!(is_applied, plant.added[2][0] != 0.0, "tick {k}");
     }
     // 1.3 µm at most; half a tick of the jerk, 100 kg·5 m/s³·0.125 ms = 0.06 N, is 0.6 nm; steps of 62 pm.
     assert!(worst < 0.8e-9 && worst > 1e-11, "{}: {worst} m", S::NAME);
@@ -253,22 +253,22 @@ fn a_model_that_is_set_again_in_motion_goes_on() {
         };
         let settings = settings(model);
         let none = CompensationSettings::default();
-        let [mut bench, mut untouched] = [(), ()].map(|()| Bench::<Fixed>::new([&settings, &none]));
+        let [mut plant, mut untouched] = [(), ()].map(|()| Bench::<Fixed>::new([&settings, &none]));
         let mut worst = 0.0f64;
         for k in 1..4000 {
             let t = f64::from(k) / RATE_HZ;
             // 0.05 m/s: a steady motion after 0.2 s of acceleration.
             let x = if t < 0.2 { 0.125 * t * t } else { 0.005 + 0.05 * (t - 0.2) };
             if k == 3000 {
-                bench.all.replace(0, &AxisCompensation::new(&settings, RATES, FIRST_AXIS).unwrap());
+                plant.all.replace(0, &AxisCompensation::new(&settings, RATES, FIRST_AXIS).unwrap());
             }
-            for bench in [&mut bench, &mut untouched] {
-                bench.tick([x, 0.0], [x, 0.0]);
+            for plant in [&mut plant, &mut untouched] {
+                plant.tick([x, 0.0], [x, 0.0]);
             }
-            worst = worst.max((bench.added[2][0] - untouched.added[2][0]).abs());
+            worst = worst.max((plant.added[2][0] - untouched.added[2][0]).abs());
         }
         // The load is evaluated at the setting, not in its turn.
         assert!(worst < 0.05, "lag {lag_s}: {worst} N");
-        assert!(bench.added[2][0] > 120.0);
+        assert!(plant.added[2][0] > 120.0);
     }
 }

@@ -123,7 +123,7 @@ impl TestBoard {
             let friction = COULOMB_N * (self.velocity / 1e-4).tanh();
             self.velocity += (force - friction) / MASS_KG / TICK_HZ;
             self.at_m += self.velocity / TICK_HZ;
-            assert!((0.0..0.12).contains(&self.at_m), "over the end of the bench: {}", self.at_m);
+            assert!((0.0..0.12).contains(&self.at_m), "over the end of the plant: {}", self.at_m);
         }
     }
 

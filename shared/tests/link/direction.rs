@@ -17,7 +17,7 @@ fn check(axis: u8, settings: DirectionCheckSettings) -> Request {
 }
 
 fn stands(rig: &Rig) -> bool {
-    rig.bench.position_m.iter().all(|m| m.abs() < 1e-12)
+    rig.plant.position_m.iter().all(|m| m.abs() < 1e-12)
 }
 
 /// 40 N against 20 N of friction accelerate 15 kg by 1.33 m/s² over 0.1 mm; friction decelerates them as much over another 0.1 mm.
@@ -33,7 +33,7 @@ fn the_axis_is_pushed_when_the_switch_closes() {
     rig.run(5000);
     let status = rig.status();
     assert_eq!(status.direction, DirectionReport::Ended { axis: 0, result: DirectionResult::Ok });
-    let [x_m, y_m] = rig.bench.position_m;
+    let [x_m, y_m] = rig.plant.position_m;
     assert!((1.9e-4..2.2e-4).contains(&x_m) && y_m.abs() < 1e-12, "{x_m} {y_m}");
     assert_eq!((status.power, status.armed), (Power::Off, false));
     assert_eq!(rig.refusal(&Request::Enable), Refusal::NotArmed);

@@ -98,7 +98,7 @@ fn garbage_is_never_accepted_and_nothing_moves() {
     assert!(too_long > 100 && version == 0, "{too_long} {version}");
     let status = rig.status();
     assert_eq!((status.power, status.armed, status.at_rest), (Power::Off, true, true));
-    assert_eq!(rig.bench.position_m.map(f64::to_bits), [0; 2]);
+    assert_eq!(rig.plant.position_m.map(f64::to_bits), [0; 2]);
     // The link works.
     assert_eq!(rig.request(&Request::Enable), Reply::Done);
 }
@@ -131,10 +131,10 @@ fn without_an_enable_no_sequence_of_requests_moves_anything() {
         };
         let reply = rig.request(&request);
         assert!(!matches!(reply, Reply::Welcome(_)), "{request:?}");
-        assert!(!rig.bench.enabled);
+        assert!(!rig.plant.enabled);
     }
     assert_eq!(rig.status().power, Power::Off);
-    assert_eq!(rig.bench.position_m.map(f64::to_bits), [0; 2]);
+    assert_eq!(rig.plant.position_m.map(f64::to_bits), [0; 2]);
     // The hello, and every request before the status itself.
     let packets = rig.status().link.packets;
     assert_eq!(packets, rig.sequence);

@@ -25,7 +25,7 @@ const HOMING: HomingSettings = HomingSettings {
 /// X has a home switch at −20 to −15 mm; y has none.
 fn rig() -> Rig {
     let mut rig = Rig::of(Identity { homing: [Some(HOMING), None], ..IDENTITY }, settings());
-    rig.bench.home_switch_m = Some([-0.020, -0.015]);
+    rig.plant.home_switch_m = Some([-0.020, -0.015]);
     rig
 }
 
@@ -54,7 +54,7 @@ fn an_axis_is_homed_by_a_request() {
     let status = rig.status();
     assert_eq!((status.homing, status.power), (HomingReport::Homed, Power::On));
     assert_eq!((status.activity, status.axes[0].homed), (Activity::Idle, true));
-    let true_m = rig.bench.position_m[0] + 0.015 + HOMING.mark_position_m;
+    let true_m = rig.plant.position_m[0] + 0.015 + HOMING.mark_position_m;
     let read_m = status.axes[0].motor.to_m();
     assert!((read_m - true_m).abs() < 0.16e-6, "{read_m} m, {true_m} m");
 }
@@ -76,7 +76,7 @@ fn a_fault_of_the_board_switches_the_drives_off() {
     rig.enable();
     rig.drive.fault(Fault::Overrun);
     rig.run(1);
-    assert!(!rig.bench.enabled);
+    assert!(!rig.plant.enabled);
     assert_eq!(rig.status().power, Power::Faulted(Fault::Overrun));
 }
 
@@ -123,7 +123,7 @@ fn a_limit_switch_of_another_axis_stops_a_homing() {
         rig.drive.homing_leg_planned(planned);
         rig.run(2000);
         assert_eq!(rig.status().homing, HomingReport::Running);
-        rig.bench.limits[1] = other_limits;
+        rig.plant.limits[1] = other_limits;
         rig.run(1000);
         assert_eq!(rig.status().power, expected, "{other_limits:?}");
     }

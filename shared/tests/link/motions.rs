@@ -41,7 +41,7 @@ fn a_motion_ends_at_its_last_point_and_follows_its_circle() {
     let mut farthest = 0f64;
     for _ in 0..40 {
         rig.run(1000);
-        let [x, y] = rig.bench.position_m;
+        let [x, y] = rig.plant.position_m;
         if rig.status().blocks_left == 0 && x < -0.001 {
             farthest = farthest.max(((x + 0.01).hypot(y) - 0.01).abs());
         }
@@ -112,7 +112,7 @@ fn without_soft_limits_a_jog_runs_in_either_direction() {
         assert_eq!(rig.request(&jog_at(velocity)), Reply::Done);
         rig.run(4000);
         // 0.2 s at 30 mm/s, less half of the 60 ms of the acceleration, and the lag of the axis.
-        let moved_m = rig.bench.position_m[0] * velocity.signum();
+        let moved_m = rig.plant.position_m[0] * velocity.signum();
         assert!((4e-3..6e-3).contains(&moved_m), "{moved_m} m");
     }
 }
@@ -250,7 +250,7 @@ fn a_block_that_fails_stops_the_motion() {
     blocks.push(Block::line([0.023, 0.01], 0.02, 0.5));
     start(&mut rig, &blocks);
     rig.run(200);
-    rig.bench.limits[1] = [false, true];
+    rig.plant.limits[1] = [false, true];
     finish(&mut rig);
     let status = rig.status();
     assert_eq!((status.activity, status.blocks_left, status.power), (Activity::Idle, 0, Power::On));

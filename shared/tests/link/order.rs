@@ -79,14 +79,14 @@ fn an_earlier_session_cannot_be_replayed() {
     rig.run(8000);
     rig.sequence = 3;
     assert_eq!(rig.request(&Request::Disable), Reply::Done);
-    let before = rig.bench.position_m;
+    let before = rig.plant.position_m;
     rig.hello(2);
     for request in &recorded {
         assert_eq!(reply(&mut rig, request), Reply::Refused(Refusal::Session));
     }
     rig.run(8000);
     assert_eq!(rig.status().power, Power::Off);
-    assert_eq!(rig.bench.position_m.map(f64::to_bits), before.map(f64::to_bits));
+    assert_eq!(rig.plant.position_m.map(f64::to_bits), before.map(f64::to_bits));
 }
 
 #[test]

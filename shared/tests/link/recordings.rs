@@ -117,8 +117,8 @@ fn lost_samples_are_counted() {
     rig.run(1000);
     // The server is not called.
     for _ in 0..1000 {
-        let Rig { drive, bench, .. } = &mut rig;
-        drive.tick(bench);
+        let Rig { drive, plant, .. } = &mut rig;
+        drive.tick(plant);
     }
     rig.run(1000);
     let lost = rig.status().lost_samples;
@@ -139,7 +139,7 @@ fn a_lost_scale_is_recorded_as_no_reading() {
     let mut rig = Rig::new();
     assert_eq!(rig.request(&Request::Arm { trigger: Trigger::Now, samples: 100 }), Reply::Done);
     rig.run(50);
-    rig.bench.scale_lost = true;
+    rig.plant.scale_lost = true;
     rig.run(100);
     let (report, bytes) = read(&mut rig);
     let mut decoder = Decoder::<2>::new(report.period, &bytes);

@@ -40,7 +40,7 @@ pub const BOARD: u32 = 0x4051_0002;
 pub const SLOTS: Slots = Slots { starts: [0, SLOT], length: SLOT };
 /// What a board tells of itself.
 pub const IDENTITY: Identity = Identity {
-    board: "test bench",
+    board: "test board",
     software: "0",
     tick_hz: TICK_HZ,
     steps: STEPS,
@@ -71,7 +71,7 @@ pub fn settings() -> BoardSettings {
 /// Two masses of 15 kg with 20 N of friction.
 #[derive(Default)]
 #[expect(clippy::struct_excessive_bools, reason = "switches and wires")]
-pub struct TestBench {
+pub struct TestPlant {
     pub position_m: [f64; 2],
     velocity: [f64; 2],
     forces_n: [f64; 2],
@@ -85,7 +85,7 @@ pub struct TestBench {
     pub limits: [[bool; 2]; 2],
 }
 
-impl TestBench {
+impl TestPlant {
     pub fn step(&mut self) {
         let tick_s = 1.0 / f64::from(TICK_HZ);
         for axis in 0..2 {
@@ -103,7 +103,7 @@ impl TestBench {
     }
 }
 
-impl Board<2, DriveSignal> for TestBench {
+impl Board<2, DriveSignal> for TestPlant {
     fn inputs(&mut self) -> Inputs<2> {
         let [x_m, _] = self.position_m;
         let home = self.home_switch_m.is_some_and(|[from_m, to_m]| (from_m..=to_m).contains(&x_m));
@@ -166,7 +166,7 @@ pub struct Rig<F = Memory> {
     pub memory: SettingsMemory<F>,
     pub server: Box<Server>,
     pub drive: HostedDrive<'static, Fixed, 2>,
-    pub bench: TestBench,
+    pub plant: TestPlant,
     pub line: Line,
     receiver: Receiver,
     pub session: u32,
@@ -223,7 +223,7 @@ impl<F: NorFlash> Rig<F> {
             memory: SettingsMemory::new(Store::new(flash, SLOTS, BOARD).unwrap()),
             server: Box::new(Server::new(identity, settings)),
             drive: HostedDrive::new(system, TICK_HZ, TIMES, &STEPS, memory),
-            bench: TestBench::default(),
+            plant: TestPlant::default(),
             line: Line::default(),
             receiver: Receiver::NEW,
             session: 0,
@@ -245,9 +245,9 @@ impl<F: NorFlash> Rig<F> {
     }
 
     pub fn close_switch(&mut self) {
-        self.bench.switch_closed = false;
+        self.plant.switch_closed = false;
         self.run(1000);
-        self.bench.switch_closed = true;
+        self.plant.switch_closed = true;
         self.run(1000);
     }
 
@@ -262,12 +262,12 @@ impl<F: NorFlash> Rig<F> {
 
     pub fn run(&mut self, ticks: u32) {
         for _ in 0..ticks {
-            self.bench.step();
+            self.plant.step();
             if self.log {
-                let readings = self.bench.readings();
+                let readings = self.plant.readings();
                 self.logged.push(readings);
             }
-            self.drive.tick(&mut self.bench);
+            self.drive.tick(&mut self.plant);
             self.poll();
         }
     }

@@ -89,7 +89,7 @@ fn trace_of_a_jog<F: NorFlash>(rig: &mut Rig<F>) -> Vec<Sample> {
             trace.push((
                 [x.command, x.motor, y.command, y.motor].map(|position| position.0),
                 [x.force_n, y.force_n].map(f32::to_bits),
-                rig.bench.position_m.map(f64::to_bits),
+                rig.plant.position_m.map(f64::to_bits),
             ));
         }
     }
@@ -162,14 +162,14 @@ fn a_save_is_refused_while_the_drives_are_on() {
 fn the_flash_waits_for_the_tick_that_switches_the_power_stages_off() {
     let mut rig = Rig::enabled();
     rig.drive.disable();
-    assert!(rig.bench.enabled);
+    assert!(rig.plant.enabled);
     assert_eq!(rig.drive.without_ticks(|| Ok(())), Err(Refusal::DrivesOn));
     rig.run(1);
-    assert!(!rig.bench.enabled);
+    assert!(!rig.plant.enabled);
     rig.drive.enable().unwrap();
     assert_eq!(rig.drive.without_ticks(|| Ok(7)), Ok(7));
     rig.run(5);
-    assert_eq!((rig.status().power, rig.bench.enabled), (Power::Off, false));
+    assert_eq!((rig.status().power, rig.plant.enabled), (Power::Off, false));
 }
 
 /// A direction check pushes an axis with the loops open: also one that only waits for the switch excludes a save.

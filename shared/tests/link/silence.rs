@@ -27,7 +27,7 @@ fn a_silent_host_holds_the_path_and_then_switches_the_drives_off() {
     assert_eq!((rig.drive.machine().command(), rig.drive.machine().power()), (held, Power::On));
     rig.run(20);
     assert_eq!(rig.drive.machine().power(), Power::Faulted(Fault::HostSilent));
-    assert!(!rig.bench.enabled);
+    assert!(!rig.plant.enabled);
     // The host is back: it has to acknowledge and to enable, and the path is gone.
     let Reply::FaultHistory(history) = rig.request(&Request::FaultHistory) else { panic!("no history") };
     let events: Vec<_> = history.iter().map(|entry| entry.event).collect();
@@ -79,7 +79,7 @@ fn a_host_that_asks_for_the_status_is_not_silent() {
         assert_eq!(rig.status().power, Power::On);
     }
     // 90 mm at 30 mm/s take 3.06 s.
-    assert!(rig.status().at_rest && (rig.bench.position_m[0] - 0.09).abs() < 50e-6);
+    assert!(rig.status().at_rest && (rig.plant.position_m[0] - 0.09).abs() < 50e-6);
 }
 
 /// Garbage and requests of another session do not keep the drives on.
@@ -107,7 +107,7 @@ fn a_jog_at_a_speed_ends_without_a_renewal() {
         rig.run(ticks(TIMES.jog_ms) - 10);
         assert_eq!(rig.request(&jog_at(-0.03)), Reply::Done);
     }
-    assert!(rig.bench.position_m[0] < -0.03 * 10.0 * 0.29 + 0.002, "{:?}", rig.bench.position_m);
+    assert!(rig.plant.position_m[0] < -0.03 * 10.0 * 0.29 + 0.002, "{:?}", rig.plant.position_m);
     rig.run(ticks(TIMES.jog_ms) + ticks(30));
     assert!(rig.status().at_rest);
     let stopped = rig.drive.machine().command();
@@ -122,13 +122,13 @@ fn the_switch_has_to_permit_an_enable_and_switches_off_at_once() {
     assert_eq!(rig.refusal(&Request::Enable), Refusal::NotArmed);
     // Closed since the start, without an edge.
     rig.close_switch();
-    assert!(rig.status().armed && !rig.bench.enabled);
+    assert!(rig.status().armed && !rig.plant.enabled);
     assert_eq!(rig.request(&Request::Enable), Reply::Done);
     rig.run(1);
-    assert!(rig.bench.enabled);
-    rig.bench.switch_closed = false;
+    assert!(rig.plant.enabled);
+    rig.plant.switch_closed = false;
     rig.run(1);
-    assert!(!rig.bench.enabled);
+    assert!(!rig.plant.enabled);
     assert_eq!(rig.refusal(&Request::Enable), Refusal::NotArmed);
 }
 
@@ -136,10 +136,10 @@ fn the_switch_has_to_permit_an_enable_and_switches_off_at_once() {
 #[test]
 fn a_stop_by_hardware_needs_the_switch() {
     let mut rig = Rig::enabled();
-    rig.bench.stopped = true;
+    rig.plant.stopped = true;
     rig.run(1);
-    assert!(!rig.bench.enabled);
-    rig.bench.stopped = false;
+    assert!(!rig.plant.enabled);
+    rig.plant.stopped = false;
     assert_eq!(rig.refusal(&Request::Enable), Refusal::Faulted(Fault::HardwareStop));
     assert_eq!(rig.request(&Request::Clear), Reply::Done);
     assert_eq!(rig.refusal(&Request::Enable), Refusal::NotArmed);

@@ -61,7 +61,7 @@ impl Pair {
         let mut pair = Self::new();
         assert!(pair.hello(port, 7), "no welcome");
         for closed in [false, true] {
-            pair.rig.bench.switch_closed = closed;
+            pair.rig.plant.switch_closed = closed;
             pair.run(1000);
         }
         assert_eq!(pair.request(port, &Request::Enable), Some(Reply::Done));
@@ -72,8 +72,8 @@ impl Pair {
 
     fn run(&mut self, ticks: u32) {
         for _ in 0..ticks {
-            self.rig.bench.step();
-            self.rig.drive.tick(&mut self.rig.bench);
+            self.rig.plant.step();
+            self.rig.drive.tick(&mut self.rig.plant);
             self.ports.service(|| self.rig.drive.host_is_silent());
             self.rig.server.poll(&mut self.ports, &mut self.rig.drive, &mut self.rig.memory);
         }
@@ -166,7 +166,7 @@ fn a_host_that_is_not_silent_keeps_the_link() {
             assert_eq!(pair.send(other, stolen, &Request::Disable), REFUSED);
             assert_eq!(pair.status(owner).power, Power::On);
         }
-        assert!(pair.status(owner).at_rest && (pair.rig.bench.position_m[0] - 0.09).abs() < 50e-6);
+        assert!(pair.status(owner).at_rest && (pair.rig.plant.position_m[0] - 0.09).abs() < 50e-6);
     }
 }
 

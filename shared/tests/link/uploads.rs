@@ -155,7 +155,7 @@ fn a_compensation_is_applied() {
             rig.run(2000);
             assert!(rig.status().power.is_on());
         }
-        1e6 * (rig.bench.position_m[0] - 0.01)
+        1e6 * (rig.plant.position_m[0] - 0.01)
     };
     let (without, with) = (offset_um(None), offset_um(Some(100e-6)));
     assert!((with - without - 50.0).abs() < 5.0, "{without} {with}");
