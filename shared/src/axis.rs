@@ -53,13 +53,13 @@ impl<S: Scalar> AxisState<S> {
         }
     }
 
-    /// The same when a correction (position units) is already added to the command.
+    /// This motion where a correction (position units) is already added to the command.
     #[must_use]
     pub const fn corrected(self, correction: i64) -> Self {
         Self { feedforward: self.feedforward.corrected(correction), ..self }
     }
 
-    /// The same after the readings of motor and table have been shifted by `origin`, and the command with them to `command`: the
+    /// The axis after the readings of motor and table have been shifted by `origin`, and the command with them to `command`: the
     /// loops continue without a step.
     #[must_use]
     pub fn shifted(self, command: Position, command_shift: i64, origin: OriginShift) -> Self {

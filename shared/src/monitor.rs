@@ -61,7 +61,7 @@ pub struct FrozenEncoder<S: Scalar> {
     pub limit: u64,
     /// Motion of a motor reading that counts as standing: 1/64 of the limit.
     standstill: Band,
-    /// The same travel as an integral of the velocity command, error units.
+    /// The travel of [`Self::limit`] as an integral of the velocity command, error units.
     pub integral_limit: S,
     /// Error units per velocity unit and position tick.
     pub per_tick: S::Gain,
@@ -105,7 +105,7 @@ impl<S: Scalar> State<S> {
 }
 
 impl<S: Scalar> State<S> {
-    /// The same after command and motor reading have been shifted by these distances, position units. The soft limits apply
+    /// The monitor after command and motor reading have been shifted by these distances, position units. The soft limits apply
     /// from the shifted command on, and motor and scale are compared from their next readings on.
     #[must_use]
     pub fn shifted(self, command: Position, command_shift: i64, motor_shift: i64) -> Self {

@@ -134,7 +134,7 @@ impl Bench {
         self.check_of(system, 0)
     }
 
-    /// The same for any axis.
+    /// Checks any axis.
     fn check_of(&mut self, system: &mut System, checked: usize) -> (DirectionResult, f64) {
         let start_m = self.at_m;
         system.check_direction(checked, &CHECK).unwrap();

@@ -96,7 +96,7 @@ fn disable_acknowledges_a_fault() {
     }
 }
 
-/// The same orders through a session and directly to a machine: forces, commands and state of each tick are identical, bit
+/// Orders through a session and directly to a machine: forces, commands and state of each tick are identical, bit
 /// for bit.
 fn matches_the_machine<S: Scalar>(format: Format) {
     let mut host = Host::new(format);

@@ -226,7 +226,7 @@ pub fn machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
     compensated(&full_axis(), all_compensations, program)
 }
 
-/// The same with what there was when the aim of 1600 instructions was set.
+/// A machine as [`machine`], with what there was when the aim of 1600 instructions was set.
 #[must_use]
 pub fn nine_machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
     compensated(&AxisSettings { feedforward_ahead_s: 0.0, ..full_axis() }, nine_compensations, program)
@@ -244,7 +244,7 @@ fn compensated<S: Scalar>(
     ready(machine, program)
 }
 
-/// The same with path, loops, dual feedback and monitoring only.
+/// A machine as [`machine`], with path, loops, dual feedback and monitoring only.
 #[must_use]
 pub fn plain_machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
     let axis = AxisSettings { notch: None, low_pass: None, smoothing: Smoothing::None, ..full_axis() };

@@ -51,7 +51,7 @@ impl Port {
         Ok(Self { stream: Box::new(port), _lock: None })
     }
 
-    /// The same with a lock that other programs respect.
+    /// This port with a lock that other programs respect.
     #[must_use]
     pub fn held_by(self, lock: Option<PortLock>) -> Self {
         Self { _lock: lock, ..self }

@@ -170,7 +170,7 @@ pub fn beyond(file: &CompensationFile, reached_m: impl Fn(&str) -> Option<[f64; 
     file.axis.iter().filter_map(of_axis).collect()
 }
 
-/// The same for the path of a motion on a machine.
+/// What of the path of a motion on a machine is beyond the mapped travel.
 #[must_use]
 pub fn beyond_on_path(file: &CompensationFile, machine: &Machine, path: &NominalPath) -> Vec<Beyond> {
     beyond(file, |name| Some(path.extent_m(machine.axis.get_index_of(name)?)))

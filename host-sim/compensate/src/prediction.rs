@@ -78,7 +78,7 @@ pub fn log(
     log_of_plant((machine, plant), file, test, controller_host)
 }
 
-/// The same of any plant: `plant` makes it from the machine with the settings of the compensation, at rest at its start, m.
+/// The log of a motion on any plant: `plant` makes it from the machine with the settings of the compensation, at rest at its start, m.
 ///
 /// # Errors
 /// As [`log`].

@@ -137,7 +137,7 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// The same from the first sample on, for a run that continues one whose settling has passed.
+    /// Counts from the first sample on, for a run that continues one whose settling has passed.
     #[must_use]
     pub fn without_settling(self) -> Self {
         Self { settling: 0, ..self }

@@ -118,7 +118,7 @@ pub enum Missing {
     LinearAxes,
     /// The command of each linear axis.
     Command,
-    /// The same measured position of each linear axis.
+    /// One measured position, of the same kind for each linear axis.
     Position,
 }
 

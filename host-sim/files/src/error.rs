@@ -39,13 +39,13 @@ impl InputError {
         Self::new(file, format!("expected a readable file: {cause}"))
     }
 
-    /// The same error at a line of the file, counted from 1.
+    /// This error at a line of the file, counted from 1.
     #[must_use]
     pub fn at_line(self, line: usize) -> Self {
         Self { line: Some(line), ..self }
     }
 
-    /// The same error at a key (`axis.x.lead_mm`) or a column (`x_motor_mm`).
+    /// This error at a key (`axis.x.lead_mm`) or a column (`x_motor_mm`).
     #[must_use]
     pub fn at_key(self, key: &str) -> Self {
         Self { key: Some(one_line(key)), ..self }

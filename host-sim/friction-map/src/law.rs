@@ -22,7 +22,7 @@ impl Law {
         Self { terms: Vec::new(), sizes: vec![0.0; 2], shapes: Vec::new(), top_speed }
     }
 
-    /// The same law with an additional term of size 0.
+    /// This law with an additional term of size 0.
     #[must_use]
     pub fn with(&self, term: Term) -> Self {
         let mut law = self.clone();
@@ -32,7 +32,7 @@ impl Law {
         law
     }
 
-    /// The same law without one of its terms, and that term.
+    /// This law without one of its terms, and that term.
     ///
     /// # Panics
     /// If there is no such term.

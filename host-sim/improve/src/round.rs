@@ -23,9 +23,9 @@ pub struct Round {
     pub plan: Plan,
     /// Contour error of each motion with the compensation kept so far, without the error of the probe that the traced machine knows.
     pub before: Vec<ContourError>,
-    /// The same with this round's compensation, as predicted.
+    /// Contour error of each motion with this round's compensation, as predicted.
     pub predicted: Vec<ContourError>,
-    /// The same as measured.
+    /// Contour error of each motion with this round's compensation, as measured.
     pub after: Vec<ContourError>,
 }
 

@@ -141,7 +141,7 @@ impl AxisLoops {
         .collect()
     }
 
-    /// The same with another position gain, 1/s.
+    /// These loops with another position gain, 1/s.
     #[must_use]
     pub fn with_position_gain(&self, gain_per_s: f64) -> Self {
         let mut other = self.clone();

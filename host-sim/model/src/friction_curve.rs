@@ -101,7 +101,7 @@ impl FallingRising {
 pub struct Piecewise {
     /// Points for motion in + direction, by ascending speed. Below the first speed, the force is that of the first point.
     pub forward: Vec<Point>,
-    /// The same for motion in − direction, with positive speeds and forces; absent: as forward.
+    /// Points for motion in − direction, with positive speeds and forces; absent: as forward.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub backward: Option<Vec<Point>>,
 }

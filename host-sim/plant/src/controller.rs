@@ -14,7 +14,7 @@ use shared::units::Position;
 pub struct AxisOutput {
     /// Force until the next tick, N.
     pub force_n: f64,
-    /// The same force as bits of the controller's number format; narrower formats use the low bits.
+    /// The force as bits of the controller's number format; narrower formats use the low bits.
     pub force_bits: u64,
     /// Position command of the path.
     pub command: Position,

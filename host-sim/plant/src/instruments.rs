@@ -62,7 +62,7 @@ impl Instruments {
         }
     }
 
-    /// The same with every sensor changed.
+    /// These instruments with every sensor changed.
     #[must_use]
     pub fn with_sensors(self, change: impl Fn(Sensor) -> Sensor) -> Self {
         Self {

@@ -28,7 +28,7 @@ pub trait Lane:
     #[must_use]
     fn recip(self) -> Self;
 
-    /// The same value for all axes.
+    /// One value for all axes.
     #[must_use]
     #[inline]
     fn all(value: f64) -> Self {

@@ -132,7 +132,7 @@ impl MachineSim {
         })
     }
 
-    /// The same machine, whose run starts at this time of the session, s.
+    /// This machine, whose run starts at this time of the session, s.
     #[must_use]
     pub fn starting_at(mut self, start_s: f64) -> Self {
         self.time_s = start_s;

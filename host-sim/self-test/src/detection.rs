@@ -167,7 +167,7 @@ pub struct Detection {
     pub is_found: bool,
     /// Names and axes of effects that were found and are not there, without those that the trace calls ambiguous.
     pub false_names: Vec<(String, String)>,
-    /// Those that it calls ambiguous.
+    /// Names and axes of false effects that the trace calls ambiguous.
     pub ambiguous_names: Vec<(String, String)>,
 }
 

@@ -71,7 +71,7 @@ pub fn trace_and_score(case: &Case, progress: &(dyn Fn(&str) + Sync)) -> Result<
     trace_and_score_with(&TraceOptions::default(), case, progress)
 }
 
-/// The same with other thresholds of the tracer.
+/// As [`trace_and_score`], with other thresholds of the tracer.
 ///
 /// # Errors
 /// As [`trace_and_score`].

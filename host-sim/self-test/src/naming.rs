@@ -6,7 +6,7 @@ pub(super) struct Naming {
     pub(super) extra: &'static str,
     /// Effects that may be reported for it without being false.
     pub(super) accepted: &'static [&'static str],
-    /// Those of them that name it.
+    /// Effects among the accepted ones that name it.
     pub(super) names: &'static [&'static str],
     /// Kind of data fault that names it.
     pub(super) fault: Option<&'static str>,

@@ -39,7 +39,7 @@ pub struct Sensors {
 }
 
 impl Default for Sensors {
-    /// Those of the textbook cases.
+    /// The sensors of the textbook cases.
     fn default() -> Self {
         Self {
             motor: Sensor { noise: 10e-6, steps_per_unit: 1e5 },

@@ -17,7 +17,7 @@ pub fn run(axes: &[Axis; 2], positions: &[[f64; 2]], start_s: f64, random: &mut 
     run_jittered(axes, positions, [start_s, 0.0], random)
 }
 
-/// The same with channels that are read at instants that scatter by a standard deviation around those of the samples. Both times are
+/// Runs both axes as [`run`], with channels that are read at instants that scatter by a standard deviation around those of the samples. Both times are
 /// in s, that of the start on the clock of the session.
 #[must_use]
 pub fn run_jittered(

@@ -91,7 +91,7 @@ pub struct Summary {
     pub found: Proportion,
     /// Number of false effects: found but not true.
     pub false_finds: usize,
-    /// Those of them that the trace does not call ambiguous.
+    /// False effects that the trace does not call ambiguous.
     pub certain_false_finds: usize,
     /// Effects that were found again on the same axis, which the score counts once.
     pub duplicates: usize,
@@ -101,7 +101,7 @@ pub struct Summary {
     pub outside: Proportion,
     /// Things from outside the catalogue, in the other kinds, that were given their name.
     pub named: Proportion,
-    /// Those that were named or at least reported as unexplained.
+    /// Things from outside the catalogue, in the other kinds, that were named or at least reported as unexplained.
     pub described: Proportion,
     /// Number of reported faults of the data that are not there.
     pub false_faults: usize,

@@ -87,10 +87,10 @@ options! {
         /// command, µm or mdeg. Smaller jumps of a reading may be those of a
         /// friction that breaks away.
         min_jump_um: f64 = 4.0,
-        /// The same in standard deviations of the noise of the channel: with a million samples, six are
+        /// Smallest slip, spike or missed motion in standard deviations of the noise of the channel: with a million samples, six are
         /// exceeded once in a thousand logs.
         min_jump_noise: f64 = 8.0,
-        /// The same in steps of the encoder. Near standstill, single steps are isolated.
+        /// Smallest slip, spike or missed motion in steps of the encoder. Near standstill, single steps are isolated.
         min_jump_resolution: f64 = 3.5,
         /// Smallest ratio of a slip or spike to the other irregularities of the channel within 200 samples, and to the
         /// scatter of its difference to another channel.

@@ -43,7 +43,7 @@ impl Preparation<'_> {
         signals
     }
 
-    /// The same with the commands shifted back that are late in a part of a set.
+    /// These signals with the commands shifted back that are late in a part of a set.
     #[must_use]
     pub fn corrected(&self, piece: &Piece<'_>, set: usize, late: &[Late]) -> Signals {
         let mut signals = self.signals(piece);

@@ -11,7 +11,7 @@ use crate::units::Position;
 #[derive(Clone, Copy, Debug)]
 pub struct Cycles<S: Scalar> {
     count: usize,
-    /// Those beyond the count are zero.
+    /// Tables beyond the count are zero.
     tables: [PeriodicTable<S>; CYCLES],
 }
 

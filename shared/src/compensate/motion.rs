@@ -38,7 +38,7 @@ impl<S: Scalar> CommandMotion<S> {
         }
     }
 
-    /// The same motion from a shifted origin.
+    /// This motion from a shifted origin.
     #[must_use]
     pub(super) fn shifted(self, command: i64) -> Self {
         Self { position: self.position + command, extreme: self.extreme + command, ..self }

@@ -30,7 +30,7 @@ pub(super) enum RoundRobinTerm {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RoundRobinList {
     count: u8,
-    /// Those from the count on are not used.
+    /// Terms from the count on are not used.
     terms: [RoundRobinTerm; ROUND_ROBIN_TERMS],
 }
 

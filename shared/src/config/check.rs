@@ -29,7 +29,7 @@ pub(crate) fn gain<S: Scalar>(name: &'static str, si: f64, unit: f64) -> Result<
     }
 }
 
-/// The same of a setting that may be negative.
+/// `si·unit` as a gain that may be negative. Rejected, with the range in SI, if it exceeds the range of the format.
 pub(crate) fn signed_gain<S: Scalar>(name: &'static str, si: f64, unit: f64) -> Result<S::Gain, ConfigError> {
     gain::<S>(name, si, unit).map_err(|error| match error {
         ConfigError::OutOfRange { name, max, .. } => ConfigError::OutOfRange { name, min: -max, max },

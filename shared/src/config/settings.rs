@@ -103,7 +103,7 @@ impl ScaleLimits {
     /// Greatest [`ScaleLimits::frozen_m`]: 0.5 mm.
     pub const MOST_FROZEN_M: f64 = 0.5e-3;
 
-    /// Those of a machine that declares none: readings that differ by 0.5 mm, and 0.4 mm with one of them standing.
+    /// Limits of a machine that declares none: readings that differ by 0.5 mm, and 0.4 mm with one of them standing.
     pub const DEFAULT: Self = Self { disagreement_m: 0.5e-3, frozen_m: 0.4e-3 };
 }
 

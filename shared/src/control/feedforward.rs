@@ -49,7 +49,7 @@ impl<S: Scalar> State<S> {
         Self { last: command, last_increment: S::ZERO }
     }
 
-    /// The same when a correction (position units) is already added to the command.
+    /// The feed-forward where a correction (position units) is already added to the command.
     #[must_use]
     pub const fn corrected(self, correction: i64) -> Self {
         Self { last: Position(self.last.0.wrapping_add(correction)), ..self }

@@ -75,7 +75,7 @@ impl<S: Scalar> State<S> {
         Self { last: motor, last_increment: S::ZERO, integral: S::ZERO_SUM }
     }
 
-    /// The same after the motor reading has been shifted by a distance, position units.
+    /// The loop after the motor reading has been shifted by a distance, position units.
     #[must_use]
     pub fn shifted(self, motor: i64) -> Self {
         Self { last: self.last + motor, ..self }

@@ -80,7 +80,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
         }
     }
 
-    /// The same with a host that enables the drives: closing the switch then only permits it.
+    /// Lets a host enable the drives: closing the switch then only permits it.
     #[must_use]
     pub const fn enabled_by_host(mut self) -> Self {
         self.enabling = Enabling::ByHost { armed: false };
@@ -113,7 +113,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
         self.stages_enabled
     }
 
-    /// The same with limits of the supply.
+    /// Sets limits of the supply.
     #[must_use]
     pub const fn with_supply_limits(mut self, limits: SupplyLimits) -> Self {
         self.supply_limits = limits;

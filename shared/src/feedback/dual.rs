@@ -156,7 +156,7 @@ impl State {
         Self { shift, offset: 0, scale }
     }
 
-    /// The same after the readings of motor and table have been shifted by these distances, position units.
+    /// The filter after the readings of motor and table have been shifted by these distances, position units.
     #[must_use]
     pub const fn shifted(self, motor: i64, table: i64) -> Self {
         Self { shift: self.shift.wrapping_add(table).wrapping_sub(motor), ..self }

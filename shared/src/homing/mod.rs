@@ -82,7 +82,7 @@ enum Leg {
     SearchBack {
         on_switch: bool,
     },
-    /// The same after the search has found the switch: the axis is on it, or beyond it by its braking distance.
+    /// After the search has found the switch, in the other direction, over the switch to its far side: the axis is on it, or beyond it by its braking distance.
     BackOff {
         on_switch: bool,
     },

@@ -200,14 +200,14 @@ pub enum StoredRecord {
 /// The settings of a board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SettingsReport {
-    /// Those that it uses.
+    /// Where the settings in use are from.
     pub source: SettingsSource,
-    /// Those that its flash holds.
+    /// What its flash holds.
     pub stored: StoredRecord,
 }
 
 impl SettingsReport {
-    /// Those of the program; nothing is known of the flash.
+    /// Settings of the program; nothing is known of the flash.
     pub const PROGRAM: Self = Self { source: SettingsSource::Program, stored: StoredRecord::None };
 }
 

@@ -35,7 +35,7 @@ pub struct Apart {
     standstill: u32,
     /// Change of the difference of the readings up to which they are not looked at.
     part: u32,
-    /// The same in both directions.
+    /// Change of their difference, in both directions, up to which the readings are not looked at.
     parts: u32,
     /// Distance that one may move while the other stands.
     most: u32,

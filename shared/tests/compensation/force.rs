@@ -235,7 +235,7 @@ fn the_stretch_follows_the_force_on_the_table() {
     }
 }
 
-/// The same model set again during motion, with and without a lag: the filtered motion, the bristles and the tables start
+/// A model that is set again during motion, with and without a lag: the filtered motion, the bristles and the tables start
 /// where they are, so that the force goes on as if nothing had been set.
 #[test]
 fn a_model_that_is_set_again_in_motion_goes_on() {

@@ -183,7 +183,7 @@ impl Rig {
         Self::with_flash(Memory::erased())
     }
 
-    /// The same with an identity and settings of its own.
+    /// A rig with an identity and settings of its own.
     pub fn of(identity: Identity, settings: BoardSettings) -> Self {
         Self::assembled(Memory::erased(), None, identity, settings)
     }
@@ -202,7 +202,7 @@ impl<F: NorFlash> Rig<F> {
         Self::started(flash, None)
     }
 
-    /// The same after a run that was ended by a fault.
+    /// A rig after a run that was ended by a fault.
     pub fn started(flash: F, previous_fault: Option<Fault>) -> Self {
         Self::assembled(flash, previous_fault, IDENTITY, settings())
     }

@@ -118,7 +118,7 @@ fn log(machine: &Machine) -> Log {
     log
 }
 
-/// The same log with the channel: the force over the interval that ends at the sample, times a sign, delayed by a
+/// A log with the channel: the force over the interval that ends at the sample, times a sign, delayed by a
 /// number of rows.
 fn with_channel(log: &Log, sign: f64, delay: usize) -> Log {
     let delayed = |row: usize| row.checked_sub(1 + delay).map_or(0.0, added_n);

@@ -99,6 +99,29 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
     kept.flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] }).collect()
 }
 
+/// A reader sees one item at a time: its documentation does not begin with a reference to the one before.
+#[test]
+fn no_item_is_described_by_the_one_before() {
+    let mut items = 0;
+    for folder in ["shared/src", "firmware/src", "host-sim"] {
+        for file in sources(&workspace().join(folder)) {
+            let text = fs::read_to_string(&file).unwrap();
+            let mut is_first = true;
+            for line in text.lines().map(str::trim_start) {
+                let Some(doc) = line.strip_prefix("/// ") else {
+                    is_first = !line.starts_with("///");
+                    continue;
+                };
+                let refers = ["The same ", "Those ", "Likewise"].iter().any(|start| doc.starts_with(start));
+                assert!(!is_first || !refers, "{}: {doc}", file.display());
+                items += usize::from(is_first);
+                is_first = false;
+            }
+        }
+    }
+    assert!(items > 5000, "{items}");
+}
+
 /// Once: "four places", and "the tracer needs no change", of an effect that six files name.
 #[test]
 fn the_page_on_adding_an_effect_names_every_file_that_names_its_example() {

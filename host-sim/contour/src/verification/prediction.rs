@@ -34,7 +34,7 @@ pub struct Prediction {
     pub max_after_um: Option<f64>,
     /// Circular deviation G, the larger of the directions, without compensation, µm.
     pub circular_before_um: Option<f64>,
-    /// The same with compensation, µm.
+    /// Circular deviation with compensation, µm.
     pub circular_after_um: Option<f64>,
     /// How far the rms after may lie from `after_um`, percent of `after_um`, at most 100.
     pub bound_percent: f64,

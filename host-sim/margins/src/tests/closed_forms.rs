@@ -17,7 +17,7 @@ fn rigid() -> AxisLoops {
     rigid_with(Vec::new())
 }
 
-/// The same with effects.
+/// Rigid, without viscous friction and integral part, with effects.
 fn rigid_with(effects: Vec<Effect>) -> AxisLoops {
     let mut machine = machine("p", "motor");
     machine.axis[0].effect = effects;

@@ -172,7 +172,7 @@ pub enum StructureError {
 }
 
 impl Structure {
-    /// The same structure with the stiffnesses or masses of a part multiplied by a factor.
+    /// This structure with the stiffnesses or masses of a part multiplied by a factor.
     #[must_use]
     pub fn scaled(&self, part: Part, factor: f64) -> Self {
         let mut scaled = self.clone();

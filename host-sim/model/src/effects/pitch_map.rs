@@ -25,7 +25,7 @@ pub struct PitchMap {
     pub positions_mm: Vec<f64>,
     /// Table − motor at each position, in + direction.
     pub error_um: Vec<f64>,
-    /// The same in − direction; absent: equal.
+    /// The error in − direction, µm; absent: as in + direction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_negative_um: Option<Vec<f64>>,
 }
@@ -45,7 +45,7 @@ impl PitchMap {
         })
     }
 
-    /// The same curves with this number of evenly spaced knots.
+    /// These curves with this number of evenly spaced knots.
     #[must_use]
     pub fn with_knots(&self, count: u32) -> Self {
         let [Some(&first), Some(&last)] = [self.positions_mm.first(), self.positions_mm.last()] else {

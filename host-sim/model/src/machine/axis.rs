@@ -27,7 +27,7 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// The same axis with the values and effects before they were fitted.
+    /// This axis with the values and effects before they were fitted.
     #[must_use]
     pub fn at_nominal(&self) -> Self {
         let mut axis = Self { nominal: None, log_offsets: None, ..self.clone() };

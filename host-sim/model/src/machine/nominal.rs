@@ -11,7 +11,7 @@ use crate::effects::{Effect, Windup};
 /// a wrong unit or belongs to another machine.
 pub const MAX_TOLERANCES: f64 = 4.0;
 
-/// The same for friction, which changes with load, temperature and age, and which few users know as well as they declare.
+/// How many tolerances friction may move by: it changes with load, temperature and age, and which few users know as well as they declare.
 const MAX_FRICTION_TOLERANCES: f64 = 10.0;
 
 /// A mechanical value to which `plant_tolerance_percent` applies.

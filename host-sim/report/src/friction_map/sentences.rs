@@ -51,7 +51,7 @@ fn value(parameter: &Parameter) -> String {
     with_spread(parameter.value, parameter.half_width.unwrap_or(0.0))
 }
 
-/// The same for the parameter at an index; empty if there is none.
+/// Value with unit of the parameter at an index; empty if there is none.
 fn value_at(parameters: &[Parameter], index: usize) -> String {
     parameters.get(index).map_or_else(String::new, value)
 }

@@ -101,7 +101,7 @@ impl Row {
         }
     }
 
-    /// The same with contour errors over the position gain.
+    /// This row with contour errors over the position gain.
     #[must_use]
     pub fn with_curve(self, over_gain: Vec<GainPoint>) -> Self {
         Self { over_gain, ..self }

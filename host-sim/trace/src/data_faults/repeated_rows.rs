@@ -206,7 +206,7 @@ mod tests {
         Log { source: "l".to_owned(), start_s: 10.0, sample_time_s: 1e-3, axes: vec![axis] }
     }
 
-    /// The same with rows replaced by the row before them.
+    /// The log with rows replaced by the row before them.
     fn losing(rows: &[Range<usize>]) -> Log {
         let mut log = log();
         for channel in [Channel::Command, Channel::Motor, Channel::Table] {

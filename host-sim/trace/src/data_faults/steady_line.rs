@@ -97,7 +97,7 @@ impl<'a> Signal<'a> {
         self.line(frequency_hz, PASSES)
     }
 
-    /// The same by least squares weighted by Hann's window. In each pass after the first, samples that the last one
+    /// Its parts by least squares weighted by Hann's window. In each pass after the first, samples that the last one
     /// does not describe have less weight: friction at a reversal, an impact.
     fn line(&self, frequency_hz: f64, passes: usize) -> Option<[f64; 2]> {
         let step = std::f64::consts::TAU * frequency_hz * self.sample_s;

@@ -18,7 +18,7 @@ const UNITS: [f64; 6] =
 /// Largest relative deviation of a factor from that of a unit.
 const UNIT_TOLERANCE: f64 = 0.005;
 
-/// The same for a command, which contains the following error.
+/// Largest relative deviation of the factor of a command, which contains the following error.
 const COMMAND_TOLERANCE: f64 = 0.35;
 
 /// Force in N per logged force: kN and mN.

@@ -118,7 +118,7 @@ impl AxisModel {
         }
     }
 
-    /// The same model with its declared values at their nominal values.
+    /// This model with its declared values at their nominal values.
     #[must_use]
     pub fn at_nominal(&self) -> Self {
         let mut model = self.clone();
@@ -130,7 +130,7 @@ impl AxisModel {
         model
     }
 
-    /// The same model with a declared value bounded by its tolerance, and moved to the bound if it is beyond.
+    /// This model with a declared value bounded by its tolerance, and moved to the bound if it is beyond.
     #[must_use]
     pub fn within_tolerance(&self, key: &Tolerated) -> Self {
         let mut model = self.clone();
@@ -143,7 +143,7 @@ impl AxisModel {
         model
     }
 
-    /// The same model with all declared values bounded by their tolerance, from their nominal values.
+    /// This model with all declared values bounded by their tolerance, from their nominal values.
     #[must_use]
     pub fn all_within_tolerance(&self) -> Self {
         let mut model = self.at_nominal();
@@ -151,7 +151,7 @@ impl AxisModel {
         model
     }
 
-    /// The same model without the bounds of [`AxisModel::all_within_tolerance`].
+    /// This model without the bounds of [`AxisModel::all_within_tolerance`].
     #[must_use]
     pub fn without_bounds(&self) -> Self {
         Self { within_tolerance: Vec::new(), ..self.clone() }
@@ -210,7 +210,7 @@ impl AxisModel {
         (0..self.found().len()).find_map(|index| Some((index, self.at_limit(index)?)))
     }
 
-    /// The same model with an effect added.
+    /// This model with an effect added.
     #[must_use]
     pub fn with(&self, effect: Effect) -> Self {
         let mut model = self.clone();
@@ -243,7 +243,7 @@ impl AxisModel {
         model
     }
 
-    /// The same model without the found effect at an index of [`AxisModel::found`].
+    /// This model without the found effect at an index of [`AxisModel::found`].
     #[must_use]
     pub fn without(&self, found: usize) -> Self {
         let mut model = self.clone();

@@ -107,7 +107,7 @@ impl Covariance {
         -(&self.inverse * gradient)
     }
 
-    /// The same with independent deviations of the parameters added, each of one standard deviation.
+    /// This covariance with independent deviations of the parameters added, each of one standard deviation.
     #[must_use]
     pub fn with_shifts(mut self, shifts: &[DVector<f64>]) -> Self {
         for shift in shifts {
@@ -116,7 +116,7 @@ impl Covariance {
         self
     }
 
-    /// The same with the uncertainty of values at a bound, which a fit takes as known. Where it stops is no knowledge of a value: if it has a
+    /// This covariance with the uncertainty of values at a bound, which a fit takes as known. Where it stops is no knowledge of a value: if it has a
     /// prior, it may as well be there. An interval that is reported contains this; a search goes by what a fit knows.
     #[must_use]
     pub fn with_values_at_bounds(mut self) -> Self {
@@ -124,7 +124,7 @@ impl Covariance {
         self.with_shifts(&shifts)
     }
 
-    /// The same with one more deviation of the parameters added, whose 95 % interval has this half width.
+    /// This covariance with one more deviation of the parameters added, whose 95 % interval has this half width.
     #[must_use]
     pub fn with_half_width(self, shift: &DVector<f64>) -> Self {
         let t = student_t_975(self.degrees_of_freedom);
@@ -137,7 +137,7 @@ impl Covariance {
         self.half_width_of_sum(&[index])
     }
 
-    /// The same of the sum of free parameters.
+    /// Half width of the 95 % confidence interval of the sum of free parameters, by Student's t.
     #[must_use]
     pub fn half_width_of_sum(&self, indices: &[usize]) -> f64 {
         let variance: f64 =

@@ -4,7 +4,7 @@ use super::axis_model::AxisModel;
 use model::residual_table::ResidualTable;
 
 impl AxisModel {
-    /// The same model with these tables of residuals instead of its own.
+    /// This model with these tables of residuals instead of its own.
     #[must_use]
     pub fn with_tables(&self, empirical: Vec<ResidualTable>) -> Self {
         let mut model = self.clone();
@@ -12,7 +12,7 @@ impl AxisModel {
         model
     }
 
-    /// The same model with further tables. Of the same channel and variable, the sum takes the place of both, at the points of
+    /// This model with further tables. Of the same channel and variable, the sum takes the place of both, at the points of
     /// the new one.
     #[must_use]
     pub fn with_further_tables(&self, new: &[ResidualTable]) -> Self {

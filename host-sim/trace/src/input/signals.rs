@@ -183,7 +183,7 @@ impl AxisSignals {
         }
     }
 
-    /// The same axis with [`Self::motor_path`] recomputed for this standard deviation of the encoder noise, m.
+    /// This axis with [`Self::motor_path`] recomputed for this standard deviation of the encoder noise, m.
     #[must_use]
     pub fn with_motor_noise(mut self, noise_m: f64, sample_s: f64, options: &SampleOptions) -> Self {
         if let Some(motor) = &mut self.motor {

@@ -222,7 +222,7 @@ pub fn noise(values: &[f64]) -> f64 {
     noise_without(values, |_| false)
 }
 
-/// The same without the differences that contain a sample which was replaced.
+/// As [`noise`], without the differences that contain a sample which was replaced.
 fn noise_without(values: &[f64], is_replaced: impl Fn(usize) -> bool) -> f64 {
     const STRETCH: usize = 64;
     let variance = |start: usize| {

@@ -60,7 +60,7 @@ macro_rules! options {
             /// The names of all options, as in `search.min_t`.
             pub const NAMES: &[&str] = &[$($( concat!(stringify!($group), ".", stringify!($name)), )+)+];
 
-            /// The same options with the one of this name multiplied by a factor; a count is rounded, and at least 1.
+            /// These options with the one of this name multiplied by a factor; a count is rounded, and at least 1.
             /// `None` for an unknown name.
             #[must_use]
             pub fn scaled(&self, name: &str, factor: f64) -> Option<Self> {

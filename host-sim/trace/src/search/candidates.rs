@@ -53,14 +53,14 @@ impl Candidate {
         self.meets_criteria(options, |c| c.t >= c.min_t, |c| c.worst_log)
     }
 
-    /// The same for an effect that is to be kept beside others. A loss of a stage counts only if the fitted data show it, too: a fit
+    /// Whether held-out data support an effect that is to be kept beside others. A loss of a stage counts only if the fitted data show it, too: a fit
     /// without a fold determines a map of many knots poorly, so that its error on that fold changes by chance.
     #[must_use]
     pub fn is_needed(&self, options: &SearchOptions) -> bool {
         self.meets_criteria(options, |c| c.t >= c.min_t, |c| c.worst_log.max(c.worst_fitted_log))
     }
 
-    /// The same as [`Self::is_supported`] without the test of significance.
+    /// As [`Self::is_supported`], without the test of significance.
     #[must_use]
     pub fn is_consistent(&self, options: &SearchOptions) -> bool {
         self.limit.is_none() && self.meets_criteria(options, |c| c.t >= 0.0, |c| c.worst_log)

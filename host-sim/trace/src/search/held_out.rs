@@ -71,7 +71,7 @@ pub struct Comparison {
     pub stage: Stage,
     /// Fraction of Σr² that the second model removes; negative if Σr² increases.
     pub reduction: f64,
-    /// The same of the fitted data. If the fit without a fold determines its parameters poorly, its error on this fold is
+    /// Fraction of Σr² of the fitted data that the second model removes. If the fit without a fold determines its parameters poorly, its error on this fold is
     /// far above the noise, and any change of the model reduces it. The fit with all folds then shows no such reduction.
     pub fitted_reduction: f64,
     /// Mean gain in log-likelihood over the blocks, each with its own noise, divided by its standard error.
@@ -87,7 +87,7 @@ pub struct Comparison {
     pub folds_better: usize,
     /// Smallest reduction of any log.
     pub worst_log: f64,
-    /// The same of the fitted data.
+    /// Smallest reduction of any log of the fitted data.
     pub worst_fitted_log: f64,
     /// Gain in log-likelihood per sample, each log with its own noise: ½·ln(Σr² of the first / Σr² of the second), averaged
     /// over the logs with their numbers of samples as weights.

@@ -55,7 +55,7 @@ proptest! {
         prop_assert!((x - start[0]).abs() <= 1 && (y - start[1]).abs() <= 1, "{} {}", x - start[0], y - start[1]);
     }
 
-    /// The same arc with the axes of its plane exchanged, seen from the other side: the same points but for the rounding of the
+    /// An arc with the axes of its plane exchanged, seen from the other side: the same points but for the rounding of the
     /// sine.
     #[test]
     fn the_axes_of_a_plane_can_be_exchanged(

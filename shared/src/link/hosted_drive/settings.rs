@@ -40,7 +40,7 @@ impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
     /// Positions of counters that wrap may be lost meanwhile: every axis loses its reference.
     ///
     /// # Errors
-    /// Those of [`HostedDrive::is_off`] and of the access; [`Refusal::DrivesOn`] until a tick has switched the power stages off;
+    /// Refusals of [`HostedDrive::is_off`] and of the access; [`Refusal::DrivesOn`] until a tick has switched the power stages off;
     /// [`Refusal::Moving`] while a direction check waits for the enable switch or pushes an axis.
     pub fn without_ticks<R>(&mut self, access: impl FnOnce() -> Result<R, Refusal>) -> Result<R, Refusal> {
         self.is_off()?;

@@ -270,7 +270,7 @@ fn a_spike_is_a_fault_of_the_data_and_no_gain() {
     assert!((5.0..8.0).contains(&before) && (before / after - 1.0).abs() < 0.01, "{before} {after}");
 }
 
-/// The same machine with a probe of 10 µm before: 6.3 µm of error and 10 µm of noise are 11.8 µm together. Two standard errors of 40 µm²
+/// A probe with 10 µm of noise before: 6.3 µm of error and 10 µm of noise are 11.8 µm together. Two standard errors of 40 µm²
 /// at 12,000 samples are 2·√((4·40·100 + 2.62·10⁴)/12000) = 3.8 µm², 0.3 µm of 6.3 µm.
 #[test]
 fn a_probe_with_more_noise_before_is_no_gain() {

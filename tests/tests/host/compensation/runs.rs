@@ -108,7 +108,7 @@ pub fn contour_um(log: &Log) -> f64 {
 pub struct Comparison {
     /// Radial error that the effect adds without its item.
     caused_um: f64,
-    /// The same with it.
+    /// Radial error that it adds with its item.
     left_um: f64,
     /// Contour error of the machine without the effect, with the effect without its item, and with it.
     pub contour_um: [f64; 3],

@@ -54,7 +54,7 @@ pub fn radial_rms_um(error_um: impl Fn(Point) -> f64) -> f64 {
     radial_rms_at_um(1e-3 * SPEED_MM_S, error_um)
 }
 
-/// The same at another speed.
+/// [`radial_rms_um`] at another speed.
 pub fn radial_rms_at_um(m_per_s: f64, error_um: impl Fn(Point) -> f64) -> f64 {
     rms([1.0, -1.0]
         .into_iter()
@@ -108,7 +108,7 @@ impl Loop {
         }))
     }
 
-    /// The same of the difference of the displacements of two loops.
+    /// Rms along the radius, µm, of the difference of the displacements of two loops.
     pub fn difference_um(&self, other: &Self, side: Side, force_n: impl Fn(Point) -> f64) -> f64 {
         rms([1.0, -1.0].into_iter().flat_map(|direction| {
             let points = points(1e-3 * SPEED_MM_S, direction);

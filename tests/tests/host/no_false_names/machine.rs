@@ -34,13 +34,13 @@ impl TestMachine {
         Self { drawn, session: draw::session(&mut random), seed }
     }
 
-    /// The same with other true mechanical values of an axis.
+    /// This machine with other true mechanical values of an axis.
     pub fn with_mechanics(mut self, axis: usize, change: impl Fn(&mut Mechanics)) -> Self {
         change(&mut self.drawn.axes[axis].mechanics);
         self
     }
 
-    /// The same with another value of a key in the machine file.
+    /// This machine with another value of a key in the machine file.
     pub fn with_declared(mut self, axis: usize, key: &str, change: impl Fn(f64) -> f64) -> Self {
         let before = self.declared(axis, key);
         let text = &mut self.drawn.declared[axis].text;

@@ -90,7 +90,7 @@ fn a_late_output_of_the_control_is_named() {
     }
 }
 
-/// The same beside a filter of the velocity, the most common omissions of real controls. Once: nothing, or a velocity gain.
+/// A late output beside a filter of the velocity: the most common omissions of real controls. Once: nothing, or a velocity gain.
 #[test]
 fn a_late_output_beside_a_filter_of_the_velocity_is_named() {
     for filter_ms in [0.3, 0.6] {

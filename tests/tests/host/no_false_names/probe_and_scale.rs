@@ -130,7 +130,7 @@ fn a_scale_that_is_too_short_is_not_the_screw() {
     assert_rival(&trace, 0, "pitch_progressive", "scale_gain");
 }
 
-/// The same scale under a probe whose gain is off by 200 µm/m: neither slope is that of one sensor alone.
+/// A scale that is too short under a probe whose gain is off by 200 µm/m: neither slope is that of one sensor alone.
 #[test]
 fn a_slope_that_two_sensors_share_is_ambiguous() {
     let trace = machine().trace_of(|log| {

@@ -74,7 +74,7 @@ fn random_slices_of_simulated_logs_without_effects_have_none() {
     assert_eq!(named_slices(&machine.file(), &[fit, validate].concat(), 12, 1), []);
 }
 
-/// The same of the first blind case.
+/// Slices of the first blind case.
 #[test]
 fn random_slices_of_a_log_without_effects_have_none() {
     let Some(folders) = cases::folders() else { return };

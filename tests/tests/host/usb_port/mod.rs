@@ -156,8 +156,8 @@ impl Board {
 
     fn run(&mut self, ticks: u32) {
         for _ in 0..ticks {
-            self.rig.bench.step();
-            self.rig.drive.tick(&mut self.rig.bench);
+            self.rig.plant.step();
+            self.rig.drive.tick(&mut self.rig.plant);
             self.ports.usb_port().unwrap().poll();
             self.ports.service(|| self.rig.drive.host_is_silent());
             self.rig.server.poll(&mut self.ports, &mut self.rig.drive, &mut self.rig.memory);

@@ -88,7 +88,7 @@ macro_rules! catalogue {
                 match self { $(Self::$variant(e) => e.coordinates_at(rates),)+ }
             }
 
-            /// The same effect with other values of the coordinates.
+            /// This effect with other values of the coordinates.
             #[must_use]
             pub fn at(&self, x: &[f64]) -> Self {
                 match self { $(Self::$variant(e) => Self::$variant(e.at(x)),)+ }

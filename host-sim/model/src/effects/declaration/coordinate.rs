@@ -41,7 +41,7 @@ impl Coordinate {
         Self { value, step, lower, upper, limits: [lowest, upper] }
     }
 
-    /// The same coordinate with bounds that hold for one step only and are no limits of the search.
+    /// This coordinate with bounds that hold for one step only and are no limits of the search.
     #[must_use]
     pub const fn stepwise(self) -> Self {
         Self { limits: [f64::NEG_INFINITY, f64::INFINITY], ..self }

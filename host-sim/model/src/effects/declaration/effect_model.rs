@@ -73,7 +73,7 @@ pub trait EffectModel: Sized + Clone {
         self.coordinates()
     }
 
-    /// The same effect with other values of the coordinates, in the order of [`EffectModel::coordinates`].
+    /// This effect with other values of the coordinates, in the order of [`EffectModel::coordinates`].
     #[must_use]
     fn at(&self, coordinates: &[f64]) -> Self;
 

@@ -6,9 +6,9 @@ pub struct ResidualShape {
     /// Number of knots over the travel that describe the table residual best; `None`: it does not depend on the position,
     /// or less than on a line.
     pub pitch_knots: Option<u32>,
-    /// The same with a curve for each direction.
+    /// Number of knots that describe the table residual best with a curve for each direction.
     pub pitch_knots_each_way: Option<u32>,
-    /// The same of the force residual against the motion.
+    /// Number of knots that describe the force residual against the motion best.
     pub friction_knots: Option<u32>,
     /// Periodic parts.
     pub waves: Vec<ResidualWave>,

@@ -107,7 +107,7 @@ fn bad_machines_are_refused_with_line_key_and_expectation() {
     assert_refused(BAD_MACHINES);
 }
 
-/// The same for the effects of the machine.
+/// Keys, values and messages of refused effects of the machine.
 const BAD_EFFECTS: &[(&str, &str, &str)] = &[
     (
         "\"backlash\"",

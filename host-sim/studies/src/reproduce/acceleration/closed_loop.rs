@@ -91,7 +91,7 @@ impl ClosedLoop {
         Ok(Self { assembly, settings, instruments })
     }
 
-    /// The same machine with different noise, selected by `number`.
+    /// This machine with different noise, selected by `number`.
     #[must_use]
     pub fn reseeded(&self, number: u64) -> Self {
         let seed = self.instruments.seed.wrapping_mul(1000).wrapping_add(number);

@@ -62,7 +62,7 @@ fn simulated_errors() -> Option<Vec<f64>> {
     (0..4 * QUARTER).map(pulse).collect()
 }
 
-/// The same errors by the formula.
+/// The errors by the formula.
 fn formula_errors() -> Vec<f64> {
     (0..4 * QUARTER).map(|k| (TAU * f64::from(k) / f64::from(4 * QUARTER)).sin()).collect()
 }
