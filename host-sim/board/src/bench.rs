@@ -5,7 +5,6 @@
 
 use std::fs::{self, File};
 use std::io;
-use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::thread;
@@ -138,7 +137,8 @@ impl Bench {
     fn spawn(&self, program: &Path) -> Result<(), BoardError> {
         let socket = |name: &str| format!("unix:{name},server=on,wait=off");
         let log = File::create(self.folder.join("log")).map_err(|error| self.failed(&error.to_string()))?;
-        let child = Command::new(QEMU)
+        let mut command = Command::new(QEMU);
+        command
             .args(MACHINE)
             .args(["-display", "none", "-monitor", "none", "-no-reboot"])
             .args(["-semihosting-config", "enable=on,target=native"])
@@ -149,11 +149,11 @@ impl Bench {
             .current_dir(&self.folder)
             .stdin(Stdio::null())
             .stdout(Stdio::null())
-            .stderr(log)
-            // Not ended with the terminal of this command.
-            .process_group(0)
-            .spawn();
-        let mut child = child.map_err(|error| {
+            .stderr(log);
+        // Not ended with the terminal of this command.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let mut child = command.spawn().map_err(|error| {
             self.failed(&match error.kind() {
                 io::ErrorKind::NotFound => {
                     format!("{QEMU} is not installed (Debian package qemu-system-arm)")

@@ -1,6 +1,5 @@
 //! Ports by their names.
 
-use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 
 use files::error::quoted;
@@ -8,7 +7,7 @@ use serialport::{SerialPortInfo, SerialPortType};
 
 use crate::bench::{self, Bench};
 use crate::error::BoardError;
-use crate::port::Port;
+use crate::port::{self, Port};
 use crate::port_lock::{self, PortLock};
 
 /// Opens a port: `bench` or `emulated` for the emulated servo board, which is started if it does not run; the path of a
@@ -26,8 +25,7 @@ pub fn open(name: &str) -> Result<Port, BoardError> {
     let failed = |problem: String| BoardError::Port(format!("{}: {problem}", quoted(name)));
     let path = Path::new(name);
     let lock = PortLock::take(&lock_of(path)).map_err(in_use)?;
-    let is_socket = std::fs::metadata(path).is_ok_and(|file| file.file_type().is_socket());
-    if is_socket {
+    if port::is_socket(path) {
         let port = Port::socket(path).map_err(|error| failed(error.to_string()))?;
         return Ok(port.held_by(lock));
     }

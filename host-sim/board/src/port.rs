@@ -1,7 +1,6 @@
 //! An open port.
 
 use std::io::{self, Read, Write};
-use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::time::Duration;
 
@@ -31,14 +30,12 @@ impl std::fmt::Debug for Port {
 }
 
 impl Port {
-    /// A socket.
+    /// A socket, as of the emulated board.
     ///
     /// # Errors
-    /// If nothing listens there.
+    /// If nothing listens there; on systems without sockets in the file system, always.
     pub fn socket(path: &Path) -> io::Result<Self> {
-        let stream = UnixStream::connect(path)?;
-        stream.set_read_timeout(Some(READ_TIMEOUT))?;
-        Ok(Self { stream: Box::new(stream), _lock: None })
+        Ok(Self { stream: socket::connect(path)?, _lock: None })
     }
 
     /// A serial port.
@@ -83,5 +80,47 @@ impl Port {
             }
             other => other,
         }
+    }
+}
+
+/// Whether a path is a socket.
+#[must_use]
+pub fn is_socket(path: &Path) -> bool {
+    socket::is_at(path)
+}
+
+#[cfg(unix)]
+mod socket {
+    use std::io;
+    use std::os::unix::fs::FileTypeExt;
+    use std::os::unix::net::UnixStream;
+    use std::path::Path;
+
+    use super::{ByteStream, READ_TIMEOUT};
+
+    pub fn connect(path: &Path) -> io::Result<Box<dyn ByteStream>> {
+        let stream = UnixStream::connect(path)?;
+        stream.set_read_timeout(Some(READ_TIMEOUT))?;
+        Ok(Box::new(stream))
+    }
+
+    pub fn is_at(path: &Path) -> bool {
+        std::fs::metadata(path).is_ok_and(|file| file.file_type().is_socket())
+    }
+}
+
+#[cfg(not(unix))]
+mod socket {
+    use std::io;
+    use std::path::Path;
+
+    use super::ByteStream;
+
+    pub fn connect(_path: &Path) -> io::Result<Box<dyn ByteStream>> {
+        Err(io::Error::new(io::ErrorKind::Unsupported, "the emulated board needs Linux or macOS"))
+    }
+
+    pub fn is_at(_path: &Path) -> bool {
+        false
     }
 }
