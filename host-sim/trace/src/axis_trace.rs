@@ -7,7 +7,7 @@ use crate::analysis::repeatability::{Repeatability, repeatability};
 use crate::analysis::residual_analysis::{UnexplainedResidual, unexplained};
 use crate::fit::axis_model::AxisModel;
 use crate::fit::exclusion::Exclusion;
-use crate::fit::final_fit::{FinalFit, final_fit, kept};
+use crate::fit::final_fit::{FinalFit, final_fit, reuse_previous_fit};
 use crate::fit::fit_data::{FitAndValidationRms, FitData};
 use crate::fit::fitted_scope::FittedScope;
 use crate::fit::least_squares::{self, Fitted};
@@ -138,8 +138,8 @@ impl Tracing<'_> {
             model = total_mass::pinned(data, &fitted, [scope; 2]);
             fits.push(fitted);
         }
-        if let Some((kept, _)) = kept(data, written, &model, self.scopes) {
-            model = kept;
+        if let Some((previous, _)) = reuse_previous_fit(data, written, &model, self.scopes) {
+            model = previous;
         }
         (model, fits)
     }
@@ -150,7 +150,8 @@ impl Tracing<'_> {
         if !model.found().is_empty() {
             return model;
         }
-        kept(self.fit_data, written, &model, self.scopes).map_or(model, |(kept, _)| kept)
+        reuse_previous_fit(self.fit_data, written, &model, self.scopes)
+            .map_or(model, |(previous, _)| previous)
     }
 
     /// The model that "before" shows, from the fitted declared model and the model with effects.

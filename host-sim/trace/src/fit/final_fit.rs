@@ -49,8 +49,9 @@ pub fn final_fit(
         None => FinalFit { model, fits, bias: [Vec::new(), Vec::new()] },
     };
     let has_nothing_new = result.model.found().is_empty();
-    let kept = has_nothing_new.then(|| kept(fit_data, written, &result.model, scopes)).flatten();
-    if let Some((model, bias)) = kept {
+    let previous =
+        has_nothing_new.then(|| reuse_previous_fit(fit_data, written, &result.model, scopes)).flatten();
+    if let Some((model, bias)) = previous {
         (result.model, result.bias[0]) = (model, bias);
     }
     if driven(scopes).is_some() && !result.bias[0].is_empty() {
@@ -107,7 +108,7 @@ fn total_log_rms(data: &FitData<'_>, model: &AxisModel, bias: &[ResidualSeries],
 /// The model of a file that an earlier trace wrote, with its own error, if a new fit is not better on these logs. Otherwise
 /// each trace would change poorly determined parameters slightly. `None` if no trace wrote the file.
 #[must_use]
-pub fn kept(
+pub fn reuse_previous_fit(
     data: &FitData<'_>,
     written: &AxisModel,
     fitted: &AxisModel,
