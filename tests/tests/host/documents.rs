@@ -77,15 +77,52 @@ fn every_page_is_in_the_summary_and_in_the_list() {
     assert!(pages > 20, "{pages}");
 }
 
+fn metadata() -> serde_json::Value {
+    let arguments = ["metadata", "--no-deps", "--format-version", "1", "--offline"];
+    let output = Command::new(env!("CARGO")).args(arguments).current_dir(workspace()).output().unwrap();
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
 /// The documents call the program by `cargo run`: the workspace must not leave open which program that is.
 #[test]
 fn cargo_runs_the_program() {
-    let arguments = ["metadata", "--no-deps", "--format-version", "1", "--offline"];
-    let output = Command::new(env!("CARGO")).args(arguments).current_dir(workspace()).output().unwrap();
-    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let metadata = metadata();
     let packages = metadata["packages"].as_array().unwrap().iter();
     let defaults: Vec<&str> = packages.filter_map(|package| package["default_run"].as_str()).collect();
     assert_eq!(defaults, ["lost-motion"]);
+}
+
+/// Crates of the workspace that a crate is built with, by their names.
+fn used_by<'a>(packages: &'a [serde_json::Value], name: &str) -> Vec<&'a str> {
+    let package = packages.iter().find(|package| package["name"] == name).unwrap();
+    let dependencies = package["dependencies"].as_array().unwrap().iter();
+    let own =
+        dependencies.filter(|dependency| dependency["kind"].is_null() && dependency["path"].is_string());
+    own.map(|dependency| dependency["name"].as_str().unwrap()).collect()
+}
+
+#[test]
+fn the_page_on_architecture_has_every_crate_and_its_boundaries_hold() {
+    let page = fs::read_to_string(workspace().join("docs/architecture.md")).unwrap();
+    let metadata = metadata();
+    let packages = metadata["packages"].as_array().unwrap();
+    assert!(packages.len() > 20, "{}", packages.len());
+    for package in packages {
+        let name = package["name"].as_str().unwrap();
+        assert!(page.contains(&format!("| [`{name}`](../")), "{name}");
+    }
+    let of_self_test = used_by(packages, "self-test");
+    assert!(of_self_test.contains(&"trace"), "{of_self_test:?}");
+    assert!(!of_self_test.iter().any(|name| ["plant", "model", "shared"].contains(name)), "{of_self_test:?}");
+    assert_eq!(used_by(packages, "files"), ["numerics"]);
+    let mut reached = vec!["pages", "studies"];
+    for index in 0.. {
+        let Some(name) = reached.get(index).copied() else { break };
+        let more = used_by(packages, name).into_iter().filter(|name| !reached.contains(name));
+        let more: Vec<&str> = more.collect();
+        reached.extend(more);
+    }
+    assert!(reached.contains(&"plant") && !reached.contains(&"trace"), "{reached:?}");
 }
 
 /// Source files below a folder, without examples and tests.
