@@ -9,7 +9,7 @@ fn workspace() -> PathBuf {
 }
 
 /// The documents of the repository except the change log, which may name files that have been removed.
-fn documents() -> Vec<PathBuf> {
+pub fn documents() -> Vec<PathBuf> {
     let folder = fs::read_dir(workspace().join("docs")).unwrap().map(|entry| entry.unwrap().path());
     let pages = folder.filter(|path| path.extension().is_some_and(|end| end == "md"));
     pages.chain(["README.md", "CONTRIBUTING.md"].map(|name| workspace().join(name))).collect()

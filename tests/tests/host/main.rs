@@ -9,6 +9,7 @@ mod compensation;
 mod corrupted;
 mod data_faults;
 mod demo_seeds;
+mod documented_commands;
 mod documents;
 mod effect_table;
 mod effects;
