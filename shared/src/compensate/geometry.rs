@@ -104,12 +104,12 @@ mod tests {
 
     proptest! {
         /// Up to 100 µm/m and 10 µm/m² at ±2 m in fixed point. Squareness, 200 µm: the gain of 0.1 is rounded by 2⁻²⁵, 0.06 nm;
-        /// the rounding of result and position is below 0.04 nm. Straightness, 40 µm: the gain of 0.0025 is rounded by 2⁻²⁵,
+        /// the result is rounded towards −∞ by up to its step of 2⁻¹⁴, 0.0625 nm, that of the position is below 0.01 nm. Straightness, 40 µm: the gain of 0.0025 is rounded by 2⁻²⁵,
         /// 0.5 nm; y in steps of 1 µm enters twice.
         #[test]
         fn the_corrections_match_their_equations(y in -2.0..2.0f64, k in -1e-4..1e-4f64, k2 in -1e-5..1e-5f64) {
             let [square, straight] = off_nm::<Fixed>(y, k, k2);
-            prop_assert!(square.abs() < 0.1 && straight.abs() < 2.0, "{square} {straight}");
+            prop_assert!(square.abs() < 0.14 && straight.abs() < 2.0, "{square} {straight}");
             let [square, straight] = off_nm::<f32>(y, k, k2);
             prop_assert!(square.abs() < 0.1 && straight.abs() < 0.1, "{square} {straight}");
             let [square, straight] = off_nm::<f64>(y, k, k2);
