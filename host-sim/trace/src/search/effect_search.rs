@@ -47,7 +47,7 @@ impl EffectSearch<'_> {
     /// Without an effect, a fit may move the declared values out of their tolerance in its place, from where the effect gains
     /// too little. In this case the search is repeated with the tolerance as a bound, unless the effects of the first search
     /// brought the values back and left nothing that another effect could describe. The result of the second search is taken if,
-    /// without the bound, it leaves less.
+    /// without the bound, and without the effects that the bound alone made necessary, it leaves less.
     #[must_use]
     pub fn search(&mut self, start: &AxisModel, scope: &Scope) -> ScopeFit {
         let first_round = self.rounds.len();
@@ -60,10 +60,10 @@ impl EffectSearch<'_> {
         let mut bounded = self.search_from(&start.all_within_tolerance(), scope);
         let data = FitData { exclusions: &bounded.exclusions, ..*self.data };
         let unbounded = bounded.fitted.model.without_bounds();
-        bounded.fitted = least_squares::fit(&data, &unbounded, scope, least_squares::STEPS);
+        let unbounded = least_squares::fit(&data, &unbounded, scope, least_squares::STEPS);
+        bounded.fitted = without_idle(&data, unbounded, scope);
         let left = |fit: &ScopeFit| {
-            let data = FitData { exclusions: &fit.exclusions, ..*self.data };
-            model_bias::log_rms(&data, &data.residuals(&fit.fitted.model, scope), scope)
+            left_by(&FitData { exclusions: &fit.exclusions, ..*self.data }, &fit.fitted, scope)
         };
         if left(&bounded) < left(&free) - self.data.options.search.min_gain() {
             return bounded;
@@ -320,6 +320,29 @@ impl EffectSearch<'_> {
             })
         })
     }
+}
+
+/// Sum over the stages of a scope of the logarithm of what a fit leaves.
+fn left_by(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> f64 {
+    model_bias::log_rms(data, &data.residuals(&fitted.model, scope), scope)
+}
+
+/// A fit without the effects without which it leaves as little: they made up for values that were bounded.
+fn without_idle(data: &FitData<'_>, mut fitted: Fitted, scope: &Scope) -> Fitted {
+    let mut index = 0;
+    while let Some(effect) = fitted.model.found().get(index) {
+        let is_of_scope = scope.holds(effect);
+        let without = || {
+            let without = least_squares::fit(data, &fitted.model.without(index), scope, least_squares::STEPS);
+            let loss = left_by(data, &without, scope) - left_by(data, &fitted, scope);
+            (loss < data.options.search.min_gain()).then_some(without)
+        };
+        match is_of_scope.then(without).flatten() {
+            Some(without) => fitted = without,
+            None => index += 1,
+        }
+    }
+    fitted
 }
 
 /// Drops each effect of a scope for which `better` returns a fit without it.
