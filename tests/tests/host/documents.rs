@@ -159,19 +159,36 @@ fn no_item_is_described_by_the_one_before() {
     assert!(items > 5000, "{items}");
 }
 
+/// The source files of the program that contain a word, each of which a page names.
+fn files_named_by(page: &str, word: &str) -> Vec<String> {
+    let text = fs::read_to_string(workspace().join(page)).unwrap();
+    let contains = |path: &PathBuf| fs::read_to_string(path).unwrap().contains(word);
+    let files = sources(&workspace().join("host-sim")).into_iter().filter(contains);
+    let files: Vec<String> =
+        files.map(|file| file.strip_prefix(workspace()).unwrap().to_str().unwrap().to_owned()).collect();
+    for file in &files {
+        assert!(text.contains(&format!("`{file}`")), "{page}: {file}");
+    }
+    files
+}
+
 /// Once: "four places", and "the tracer needs no change", of an effect that six files name.
 #[test]
 fn the_page_on_adding_an_effect_names_every_file_that_names_its_example() {
-    let page = fs::read_to_string(workspace().join("docs/adding-an-effect.md")).unwrap();
-    let names_example = |path: &PathBuf| fs::read_to_string(path).unwrap().contains("EncoderEllipticity");
-    let files: Vec<PathBuf> =
-        sources(&workspace().join("host-sim")).into_iter().filter(names_example).collect();
-    for file in &files {
-        let file = file.strip_prefix(workspace()).unwrap().to_str().unwrap();
-        assert!(page.contains(&format!("`{file}`")), "{file}");
-    }
+    let files = files_named_by("docs/adding-an-effect.md", "EncoderEllipticity");
     assert_eq!(files.len(), 6, "{files:?}");
+    let page = fs::read_to_string(workspace().join("docs/adding-an-effect.md")).unwrap();
     assert!(page.contains("changes six files of the program"));
+}
+
+/// Eight files name the channel of the example, and a ninth the word of its column.
+#[test]
+fn the_page_on_adding_a_channel_names_every_file_that_names_its_example() {
+    let files = files_named_by("docs/adding-a-channel.md", "AddedForce");
+    assert_eq!(files.len(), 8, "{files:?}");
+    let page = fs::read_to_string(workspace().join("docs/adding-a-channel.md")).unwrap();
+    let steps = page.lines().filter(|line| line.starts_with("| ") && line.contains("`host-sim/"));
+    assert_eq!(steps.count(), 9);
 }
 
 /// The table of the declaration's items has every item that an effect may declare.
