@@ -2,7 +2,7 @@
 //!
 //! - [`tables`], [`cycles`], [`force`]: the effects of a model as settings of the compensations in `shared`
 //! - [`servo`]: deviations of the drive's gains as changes of its settings
-//! - [`treatment`]: what is done about each effect, or why nothing can be
+//! - [`effect_compensation`]: what is done about each effect, or why nothing can be
 //! - [`prediction`]: the contour error of the model with and without a compensation
 //! - [`plan`]: the compensation of a model, without the items that the prediction does not support
 //! - `choice`: what of a possible compensation is used; [`watched`]: motions that it may not make worse, such as the
@@ -22,6 +22,7 @@ mod capacity;
 mod choice;
 pub mod controller_host;
 pub mod cycles;
+pub mod effect_compensation;
 pub mod file;
 pub mod force;
 pub mod json;
@@ -36,7 +37,6 @@ pub mod servo;
 pub mod standard_motions;
 pub mod tables;
 pub mod text;
-pub mod treatment;
 pub mod watched;
 
 pub use file::CompensationFile;

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::choice::{Choice, Part, Strength};
+use crate::effect_compensation::{self, EffectCompensation};
 use crate::planning::Planning;
-use crate::treatment::{self, EffectCompensation};
 
 /// Why a part has no setting, and what to do instead.
 const NO_SETTING: (&str, &str) = (
@@ -77,7 +77,9 @@ impl Planning<'_> {
         let (effect, axis) = self.names(part);
         let Strength { percent, stretch, .. } = choice.strength;
         let does = match part {
-            Part::Effect(index, effect) => treatment::description(&self.model.axis[*index].effect[*effect]),
+            Part::Effect(index, effect) => {
+                effect_compensation::description(&self.model.axis[*index].effect[*effect])
+            }
             Part::Force(_) => {
                 "the force for the commanded acceleration, friction and load is added to the controller's"
                     .to_owned()
@@ -102,7 +104,7 @@ impl Planning<'_> {
         let mut list = Vec::new();
         for (name, axis) in &self.model.axis {
             for effect in &axis.effect {
-                if let EffectCompensation::Not { why, instead } = treatment::of(effect) {
+                if let EffectCompensation::Not { why, instead } = effect_compensation::of(effect) {
                     let (why, instead) = (why.to_owned(), instead.to_owned());
                     list.push(NotCompensated {
                         effect: effect.name().to_owned(),

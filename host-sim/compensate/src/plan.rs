@@ -8,13 +8,13 @@ use rayon::prelude::*;
 use shared::compensate::CompensationSettings;
 
 use crate::choice::{Choice, Part, Strength};
+use crate::effect_compensation::{self, EffectCompensation};
 use crate::file::{AxisCompensation, CompensationFile, Provenance};
 use crate::listed::{Item, LeftOut, NotCompensated};
 use crate::mapped::{self, Beyond};
 use crate::planning::Planning;
 use crate::prediction::{self, PredictionError, TestMotion, contour_errors, total_rms_um};
 use crate::servo::ControllerChange;
-use crate::treatment::{self, EffectCompensation};
 use crate::watched::{Watch, Watched};
 use crate::{force, tables};
 use contour::ContourError;
@@ -181,7 +181,7 @@ impl Planning<'_> {
         let mut parts = Vec::new();
         for (index, axis) in self.model.axis.values().enumerate() {
             let is_compensated = |(_, effect): &(usize, &Effect)| {
-                matches!(treatment::of(effect), EffectCompensation::Compensated(_))
+                matches!(effect_compensation::of(effect), EffectCompensation::Compensated(_))
             };
             let effects = axis.effect.iter().enumerate().filter(is_compensated);
             parts.extend(effects.map(|(effect, _)| Part::Effect(index, effect)));

@@ -1,9 +1,9 @@
-//! The table of `docs/compensation.md` is that of `compensate::treatment`. `BLESS=1` writes it again.
+//! The table of `docs/compensation.md` is that of `compensate::effect_compensation`. `BLESS=1` writes it again.
 
 use std::fs;
 use std::path::Path;
 
-use compensate::treatment::{self, EffectCompensation};
+use compensate::effect_compensation::{self, EffectCompensation};
 use model::effects::{KINDS, Kind};
 
 use super::listed::example;
@@ -15,7 +15,7 @@ fn row(kind: &Kind) -> String {
     let name = kind
         .distinguishing_key
         .map_or_else(|| format!("`{}`", kind.name), |key| format!("`{}` with `{key}`", kind.name));
-    match treatment::of(&example(kind)) {
+    match effect_compensation::of(&example(kind)) {
         EffectCompensation::Compensated(does) => format!("| {name} | {does} | |\n"),
         EffectCompensation::Not { why, instead } => {
             format!("| {name} | not compensated: {why} | {instead} |\n")
@@ -24,7 +24,7 @@ fn row(kind: &Kind) -> String {
 }
 
 #[test]
-fn the_table_of_the_document_matches_the_treatments() {
+fn the_table_of_the_document_matches_the_catalogue() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("docs").join("compensation.md");
     let text = fs::read_to_string(&path).unwrap();
     let (head, rest) = text.split_once(BEGIN).unwrap();
@@ -35,5 +35,8 @@ fn the_table_of_the_document_matches_the_treatments() {
         fs::write(&path, &expected).unwrap();
         return;
     }
-    assert!(text == expected, "docs/compensation.md does not match treatment.rs; BLESS=1 writes it again");
+    assert!(
+        text == expected,
+        "docs/compensation.md does not match effect_compensation.rs; BLESS=1 writes it again"
+    );
 }
