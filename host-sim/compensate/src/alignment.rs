@@ -4,7 +4,7 @@
 //! A channel of one axis that is late, or a probe that is turned, makes a contour error in the log which the machine does not have.
 
 use files::log::{Channel as LogChannel, Log};
-use model::effects::{Channel, Effect};
+use model::effects::{Channel, Timing};
 use model::machine::Machine;
 use numerics::resample::delayed_cubic;
 use plant::parameters::{AxisParameters, ToolParameters};
@@ -19,15 +19,15 @@ pub fn aligned(log: &Log, model: &Machine) -> Log {
     for axis in &mut aligned.axes {
         let Some(of_model) = model.axis.get(&axis.name) else { continue };
         for effect in &of_model.effect {
-            let Effect::Latency(latency) = effect else { continue };
-            let channel = match latency.channel {
+            let Some(Timing::Reading { channel, late_ms }) = effect.timing() else { continue };
+            let channel = match channel {
                 Channel::Table => LogChannel::Table,
                 Channel::Tool => LogChannel::Tool,
                 Channel::Force => LogChannel::Force,
                 Channel::Command => LogChannel::Command,
             };
             if let Some(values) = axis.channel_mut(channel) {
-                *values = delayed_cubic(std::mem::take(values), -1e-3 * latency.ms, log.sample_time_s);
+                *values = delayed_cubic(std::mem::take(values), -1e-3 * late_ms, log.sample_time_s);
             }
         }
     }
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
     use files::log::{AxisLog, Unit};
     use model::axis::Settings;
-    use model::effects::Latency;
+    use model::effects::{Effect, Latency};
     use model::machine::Axis;
 
     /// A sine of 100 samples a period, 2.3 samples late. The error of the cubic is at most (2π/100)⁴·0.0234 = 4e-7.

@@ -8,7 +8,6 @@ use shared::compensate::settings::{
 use crate::cycles::{self, Wave};
 use crate::tables::points;
 use model::axis::Settings;
-use model::effects::TorqueRipple;
 use plant::friction::SlidingState;
 use plant::parameters::AxisParameters;
 
@@ -93,13 +92,10 @@ fn lag_s(settings: &Settings) -> f64 {
 /// Tables of the motor's force ripple, and the number of ripples without a table.
 #[must_use]
 pub fn ripple(parameters: &AxisParameters) -> (Vec<Cycle, CYCLES>, usize) {
-    cycles::tables(parameters.ripple.iter().map(wave).collect())
-}
-
-fn wave(ripple: &TorqueRipple) -> Wave<'_> {
-    Wave {
+    let waves = parameters.ripple.iter().map(|ripple| Wave {
         period_m: 1e-3 * ripple.period_mm,
         amplitude: ripple.amplitude_n,
         value: Box::new(|position_m| ripple.force_n(position_m)),
-    }
+    });
+    cycles::tables(waves.collect())
 }

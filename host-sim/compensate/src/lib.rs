@@ -2,7 +2,6 @@
 //!
 //! - [`tables`], [`cycles`], [`force`]: the effects of a model as settings of the compensations in `shared`
 //! - [`servo`]: deviations of the drive's gains as changes of its settings
-//! - [`effect_compensation`]: what is done about each effect, or why nothing can be
 //! - [`prediction`]: the contour error of the model with and without a compensation
 //! - [`plan`]: the compensation of a model, without the items that the prediction does not support
 //! - `choice`: what of a possible compensation is used; [`watched`]: motions that it may not make worse, such as the
@@ -22,7 +21,6 @@ mod capacity;
 mod choice;
 pub mod controller_host;
 pub mod cycles;
-pub mod effect_compensation;
 pub mod file;
 pub mod force;
 pub mod json;

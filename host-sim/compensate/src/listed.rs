@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::choice::{Choice, Part, Strength};
-use crate::effect_compensation::{self, EffectCompensation};
 use crate::planning::Planning;
+use model::effects::EffectCompensation;
 
 /// Why a part has no setting, and what to do instead.
 const NO_SETTING: (&str, &str) = (
@@ -78,7 +78,7 @@ impl Planning<'_> {
         let Strength { percent, stretch, .. } = choice.strength;
         let does = match part {
             Part::Effect(index, effect) => {
-                effect_compensation::description(&self.model.axis[*index].effect[*effect])
+                self.model.axis[*index].effect[*effect].compensation().description()
             }
             Part::Force(_) => {
                 "the force for the commanded acceleration, friction and load is added to the controller's"
@@ -104,7 +104,7 @@ impl Planning<'_> {
         let mut list = Vec::new();
         for (name, axis) in &self.model.axis {
             for effect in &axis.effect {
-                if let EffectCompensation::Not { why, instead } = effect_compensation::of(effect) {
+                if let EffectCompensation::Not { why, instead } = effect.compensation() {
                     let (why, instead) = (why.to_owned(), instead.to_owned());
                     list.push(NotCompensated {
                         effect: effect.name().to_owned(),

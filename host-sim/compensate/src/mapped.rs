@@ -50,11 +50,7 @@ pub fn travel_m(machine: &Machine, tests: &[TestMotion], axis: usize) -> Result<
 /// The travel in which the maps of an axis are known, m; `None` if it has none.
 #[must_use]
 pub fn maps_m(axis: &Axis) -> Option<[f64; 2]> {
-    let knots = axis.effect.iter().filter_map(|effect| match effect {
-        Effect::PitchMap(map) => Some(&map.positions_mm),
-        Effect::FrictionMap(map) => Some(&map.positions_mm),
-        _ => None,
-    });
+    let knots = axis.effect.iter().filter_map(Effect::over_position);
     let ends = knots.filter_map(|knots| Some([1e-3 * knots.first()?, 1e-3 * knots.last()?]));
     ends.reduce(common).filter(|ends| length(*ends) >= SHORTEST_M)
 }
@@ -80,12 +76,6 @@ pub fn is_far_beyond(machine: &Machine, tests: &[TestMotion], axis: usize) -> Re
         is_far |= leaves(reached_m, maps_m, FAR);
     }
     Ok(is_far)
-}
-
-/// Whether an effect is an error over the position, known where it was measured.
-#[must_use]
-pub const fn is_over_position(effect: &Effect) -> bool {
-    matches!(effect, Effect::PitchMap(_) | Effect::PitchProgressive(_) | Effect::FrictionMap(_))
 }
 
 fn common(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {

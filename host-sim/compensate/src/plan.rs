@@ -8,7 +8,6 @@ use rayon::prelude::*;
 use shared::compensate::CompensationSettings;
 
 use crate::choice::{Choice, Part, Strength};
-use crate::effect_compensation::{self, EffectCompensation};
 use crate::file::{AxisCompensation, CompensationFile, Provenance};
 use crate::listed::{Item, LeftOut, NotCompensated};
 use crate::mapped::{self, Beyond};
@@ -137,7 +136,7 @@ impl Planning<'_> {
         for (index, axis) in self.model.axis.values().enumerate() {
             if mapped::is_far_beyond(self.model, self.tests, index)? {
                 let effects =
-                    axis.effect.iter().enumerate().filter(|(_, effect)| mapped::is_over_position(effect));
+                    axis.effect.iter().enumerate().filter(|(_, effect)| effect.over_position().is_some());
                 unknown.extend(effects.map(|(effect, _)| Part::Effect(index, effect)));
             }
         }
@@ -180,9 +179,7 @@ impl Planning<'_> {
     pub(crate) fn parts(&self) -> Vec<Part> {
         let mut parts = Vec::new();
         for (index, axis) in self.model.axis.values().enumerate() {
-            let is_compensated = |(_, effect): &(usize, &Effect)| {
-                matches!(effect_compensation::of(effect), EffectCompensation::Compensated(_))
-            };
+            let is_compensated = |(_, effect): &(usize, &Effect)| effect.compensation().is_compensated();
             let effects = axis.effect.iter().enumerate().filter(is_compensated);
             parts.extend(effects.map(|(effect, _)| Part::Effect(index, effect)));
             if axis.settings.has_mass() {

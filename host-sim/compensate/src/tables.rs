@@ -6,8 +6,8 @@ use shared::compensate::CompensationSettings;
 use shared::compensate::settings::{POINTS, Pitch, PitchSource, Points, Straightness, Talk, TimePoints};
 
 use crate::cycles::{self, Wave};
-use model::effects::{PeriodicError, Resonance, ThermalDrift};
-use plant::parameters::AxisParameters;
+use model::effects::{Mode, PeriodicError};
+use plant::parameters::{AxisParameters, ToolParameters};
 use plant::screw::Screw;
 
 /// Table of a drift: this many time constants, after which 1 % of it is left.
@@ -42,8 +42,7 @@ pub fn of_axis(
         .first()
         .and_then(|bow| Some((source(&bow.source)?, Straightness::Quadratic(1e-6 * bow.um_per_m2))));
     // A tool that oscillates also lags behind the table by its acceleration over ω².
-    let intalk_um_s2_per_m =
-        tool.intalk.um_s2_per_m - tool.resonances.iter().map(lag_um_s2_per_m).sum::<f64>();
+    let intalk_um_s2_per_m = tool.intalk.um_s2_per_m - tool.modes().map(lag_um_s2_per_m).sum::<f64>();
     let settings = CompensationSettings {
         pitch: pitch(screw, travel_m),
         backlash_width_m: (screw.gap_map.is_empty() && screw.backlash.width_um > 0.0)
@@ -55,22 +54,22 @@ pub fn of_axis(
         // The effect is declared on the first axis and depends on the second.
         squareness: (tool.squareness.um_per_m != 0.0).then_some((1, 1e-6 * tool.squareness.um_per_m)),
         straightness,
-        drift: drift_table(&tool.drifts, start_s),
+        drift: drift_table(tool, start_s),
         ..CompensationSettings::default()
     };
     (settings, screw_left + dividing_left)
 }
 
 /// Lag of the tool behind the table in a mode far below its frequency, µm per m/s².
-fn lag_um_s2_per_m(mode: &Resonance) -> f64 {
+fn lag_um_s2_per_m(mode: Mode) -> f64 {
     1e6 * mode.participation / (TAU * mode.frequency_hz).powi(2)
 }
 
 /// Table over the session time of the drifts, for a compensation that is set at `start_s` on the session clock.
-fn drift_table(drifts: &[ThermalDrift], start_s: f64) -> Option<TimePoints> {
-    let longest_s = drifts.iter().map(|drift| drift.time_constant_s).reduce(f64::max)?;
+fn drift_table(tool: &ToolParameters, start_s: f64) -> Option<TimePoints> {
+    let longest_s = tool.drifts.iter().map(|drift| drift.time_constant_s).reduce(f64::max)?;
     let spacing_s = DRIFT_TIME_CONSTANTS * longest_s / (POINTS - 1) as f64;
-    let at = |k: usize| drifts.iter().map(|drift| drift.offset_m(spacing_s * k as f64)).sum();
+    let at = |k: usize| tool.drifts.iter().map(|drift| drift.offset_m(spacing_s * k as f64)).sum();
     Some(TimePoints { start_s: -start_s, spacing_s, values: (0..POINTS).map(at).collect() })
 }
 

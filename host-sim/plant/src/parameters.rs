@@ -3,9 +3,9 @@
 
 use model::axis::Mechanics;
 use model::effects::{
-    Channel, ConstantLoad, Crosstalk, DriveAsymmetry, Effect, ForceWindup, Intalk, Latency, MotorStribeck,
-    PeriodicError, PositionLoad, Resonance, Squareness, Straightness, ThermalDrift, ThermalRate,
-    TorqueRipple,
+    Channel, ConstantLoad, Crosstalk, DriveAsymmetry, Effect, EffectModel, ForceWindup, Intalk, Latency,
+    Mode, MotorStribeck, PeriodicError, PositionLoad, Resonance, Squareness, Straightness, ThermalDrift,
+    ThermalRate, TorqueRipple,
 };
 use model::machine::{Axis, Machine};
 
@@ -97,6 +97,11 @@ pub struct ToolParameters {
 }
 
 impl ToolParameters {
+    /// The modes in which the tool oscillates against the table.
+    pub fn modes(&self) -> impl Iterator<Item = Mode> + '_ {
+        self.resonances.iter().filter_map(EffectModel::mode)
+    }
+
     /// Largest displacement of the tool per acceleration of its own axis, far below the frequencies of its modes, m per m/s².
     #[must_use]
     pub fn max_displacement_s2(&self) -> f64 {
@@ -270,6 +275,11 @@ impl AxisParameters {
     #[inline]
     pub fn motor_of_reading_m(&self, reading_m: f64) -> f64 {
         reading_m - self.resolver_error_m(reading_m - self.resolver_error_m(reading_m))
+    }
+
+    /// Logs a channel later by a time, s.
+    pub fn add_latency(&mut self, channel: Channel, late_s: f64) {
+        self.latency.push(Latency { channel, ms: 1e3 * late_s });
     }
 
     /// Latency of a logged channel, s; negative: it is logged early.

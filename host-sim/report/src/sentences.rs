@@ -326,8 +326,7 @@ mod tests {
             others: &["q".to_owned()],
             stages: &[Stage::Motor, Stage::Table, Stage::Tool, Stage::Force],
             travel_mm: [0.0, 100.0],
-            has_backlash: false,
-            modes: 0,
+            effects: &[],
             residual: &ResidualShape {
                 pitch_knots: Some(5),
                 friction_knots: Some(4),

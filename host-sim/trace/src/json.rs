@@ -206,8 +206,9 @@ fn effect(axis: &AxisTrace, found: &FoundEffect) -> Value {
         if let Some(source) = found.effect.distinction().source() {
             entry.insert("source".to_owned(), json!(source));
         }
-        if let Effect::ThermalGrowth(growth) = &found.effect {
-            entry.insert("part".to_owned(), json!(growth.part));
+        let named = json!(found.effect);
+        for (key, _) in found.effect.kind().named_keys {
+            entry.entry(*key).or_insert_with(|| named[key].clone());
         }
         if let Some(remaining) = found.remaining {
             entry.insert("remaining_to_noise".to_owned(), json!(remaining.to_noise));

@@ -13,6 +13,7 @@ mod documented_commands;
 mod documents;
 mod effect_table;
 mod effects;
+mod effects_own;
 mod empirical;
 mod example_machines;
 mod hum;

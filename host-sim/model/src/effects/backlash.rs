@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Imitation, ImitationContext, Occurrence,
-    Parameter, Range, Stage, Unit, Wording,
+    Abscissa, AnyEffect, Coordinate, Draw, EffectCompensation, EffectContext, EffectModel, Imitation,
+    ImitationContext, Occurrence, Parameter, Range, ResidualShape, Stage, Unit, Wording,
 };
+use super::pitch_map::PitchMap;
 
 /// A gap between screw nut and table. The spring of the screw acts only while the gap is closed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -60,6 +61,17 @@ impl EffectModel for Backlash {
         let stretch =
             Imitation { decided_by: "stiffness_n_per_um in the machine file", ..Imitation::STRETCH };
         if context.axis.is_rigid() { vec![stretch] } else { Vec::new() }
+    }
+
+    /// A gap that varies along the travel is a backlash, its mean, with a map whose curves for both directions differ. Where it varies by
+    /// a large part of its mean, a constant one makes some logs worse and is refused.
+    fn variation(&self, residual: &ResidualShape, travel_mm: [f64; 2]) -> Option<AnyEffect> {
+        let knots = residual.pitch_knots_each_way?;
+        Some(AnyEffect::new(PitchMap::without_error(travel_mm, knots, true)))
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by("half of the gap is added to the command in the direction of motion")
     }
 
     fn sentence(&self, wording: &Wording) -> String {

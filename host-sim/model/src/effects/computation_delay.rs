@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Imitation, ImitationContext, Occurrence, Parameter,
-    Range, Stage, Unit, Wording,
+    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Imitation, ImitationContext,
+    Occurrence, Parameter, Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 
@@ -66,6 +66,10 @@ impl EffectModel for ComputationDelay {
 
     fn values(&self) -> Vec<f64> {
         vec![self.periods]
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::DELAY
     }
 
     fn sentence(&self, _wording: &Wording) -> String {

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Imitation, ImitationContext, Neighbours,
-    Occurrence, Parameter, Prerequisite, Range, Stage, Unit, Wording,
+    Abscissa, Coordinate, Draw, EffectCompensation, EffectContext, EffectModel, Imitation, ImitationContext,
+    Neighbours, Occurrence, Parameter, Prerequisite, Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 
@@ -54,6 +54,10 @@ impl EffectModel for ConstantLoad {
     fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
         // An offset of the log does not act on the machine: the loop would need no force against it.
         if context.has(Stage::Motor) { Vec::new() } else { vec![Imitation::FORCE_OFFSET] }
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by("the load over the position is part of the force feed-forward")
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, Distinction, Draw, EffectContext, EffectModel, Imitation, ImitationContext,
-    Neighbours, Occurrence, Parameter, Prerequisite, Range, Stage, Unit, Wording,
+    Abscissa, Coordinate, Distinction, Draw, EffectCompensation, EffectContext, EffectModel, Imitation,
+    ImitationContext, Neighbours, Occurrence, Parameter, Prerequisite, Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 
@@ -69,6 +69,10 @@ impl EffectModel for Crosstalk {
         // Twice, as modes displace the tool by more near their frequencies.
         let is_turned = self.offset_m(1.0).abs() <= 2.0 * context.turned_s2;
         context.displaced_head(None).into_iter().chain(is_turned.then_some(Imitation::TURN)).collect()
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by("the displacement by the other axis's commanded acceleration is subtracted")
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit, Wording,
+    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Occurrence, Parameter, Range,
+    Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 
@@ -75,6 +76,13 @@ impl EffectModel for DriveAsymmetry {
 
     fn values(&self) -> Vec<f64> {
         vec![self.percent]
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::not(
+            "the gains of the drive differ between both directions",
+            "adjust the current measurement of the drive",
+        )
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use shared::config::Rates;
 
-use super::declaration::{Abscissa, EffectModel, Imitation, ImitationContext, Stage, Wording, delay};
+use super::declaration::{
+    Abscissa, EffectCompensation, EffectModel, Imitation, ImitationContext, Stage, Wording, delay,
+};
 use crate::axis::Settings;
 
 /// Dead time between the commanded force and the acting one, as of a bus cycle or of the pulse width modulation. The logged
@@ -46,6 +48,10 @@ impl EffectModel for DriveDeadTime {
     /// Only the force tells whether it is logged as computed or as output.
     fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
         if context.has(Stage::Force) { Vec::new() } else { vec![COMPUTATION] }
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::DELAY
     }
 
     fn sentence(&self, wording: &Wording) -> String {

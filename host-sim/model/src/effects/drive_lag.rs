@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use shared::config::Rates;
 
-use super::declaration::{Abscissa, EffectModel, Wording, delay};
+use super::declaration::{Abscissa, EffectCompensation, EffectModel, Timing, Wording, delay};
+
 use crate::axis::Settings;
 
 /// The acting force follows the commanded one as a first-order lag, as that of a current loop: τ·F' = command − F. It
@@ -35,6 +36,17 @@ impl EffectModel for DriveLag {
     /// Current loops have time constants of about 0.1 ms, which no machine file declares.
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         self.ms > 0.15
+    }
+
+    fn timing(&self) -> Option<Timing> {
+        Some(Timing::DriveLag)
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::not(
+            "the lag is in the drive's current loop",
+            "tune the current loop of the drive",
+        )
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -1,11 +1,14 @@
 //! Second-order error of a rotary encoder: an error of the motor reading with two periods per turn.
 
+use std::f64::consts::PI;
+
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    EffectContext, EffectModel, Imitation, ImitationContext, Neighbours, PeriodicError, Prerequisite, Stage,
-    Unit, Wording, harmonic_effect,
+    AnyEffect, EffectCompensation, EffectContext, EffectModel, Imitation, ImitationContext, Neighbours,
+    PeriodicError, PositionWave, Prerequisite, Stage, Unit, Wording, harmonic_effect,
 };
+use super::scale_cyclic::ScaleCyclic;
 use crate::axis::Settings;
 
 /// Motor reading = motor + amplitude·sin(2π·motor/period + phase). Causes: an oval disc, or a bearing with a second-order
@@ -60,6 +63,26 @@ impl EffectModel for EncoderEllipticity {
 
     fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
         context.rival_wave(Imitation::SCREW_WAVE)
+    }
+
+    fn wave(&self) -> Option<PositionWave> {
+        let Self { amplitude_um, period_mm, .. } = *self;
+        Some(PositionWave { amplitude_um, period_mm })
+    }
+
+    fn of_scale(&self) -> Option<AnyEffect> {
+        let Self { amplitude_um, period_mm, phase_rad, .. } = *self;
+        let fitted_period_mm = None;
+        Some(AnyEffect::new(ScaleCyclic {
+            amplitude_um,
+            period_mm,
+            phase_rad: phase_rad + PI,
+            fitted_period_mm,
+        }))
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by("the periodic error is subtracted from the motor reading")
     }
 
     fn sentence(&self, wording: &Wording) -> String {

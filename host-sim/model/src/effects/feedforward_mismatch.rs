@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Misplaced, Occurrence, Parameter, Placement, Range,
-    Stage, Unit, Wording,
+    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Misplaced, Occurrence, Parameter,
+    Placement, Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 
@@ -66,6 +66,10 @@ impl EffectModel for FeedforwardMismatch {
 
     fn values(&self) -> Vec<f64> {
         vec![self.percent]
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by("the setting of Kf is changed so that the drive has the declared one")
     }
 
     fn sentence(&self, wording: &Wording) -> String {

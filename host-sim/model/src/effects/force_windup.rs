@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Misplaced, Neighbours, Occurrence, Parameter,
-    Placement, Prerequisite, Range, Stage, Unit, Wording,
+    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Misplaced, Neighbours, Occurrence,
+    Parameter, Placement, Prerequisite, Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 
@@ -47,6 +47,7 @@ impl EffectModel for ForceWindup {
         Parameter::new("friction_n", Unit::Newton, Range::NotNegative),
         Parameter::new("presliding_mm", Unit::Millimetre, Range::Positive),
     ];
+    const NEEDS_FORCE: bool = true;
     const OCCURRENCE: Occurrence = Occurrence::Once;
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
 
@@ -106,6 +107,13 @@ impl EffectModel for ForceWindup {
 
     fn values(&self) -> Vec<f64> {
         [self.stiffness_n_per_um, self.friction_n].into_iter().chain(self.presliding_mm).collect()
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::not(
+            "the stretch follows the measured force, for which the model has no masses",
+            "declare the masses and trace again",
+        )
     }
 
     fn sentence(&self, wording: &Wording) -> String {

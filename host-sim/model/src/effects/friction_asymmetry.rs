@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter, Prerequisite,
-    Range, Stage, Unit, Wording,
+    Abscissa, Coordinate, Draw, EffectCompensation, EffectContext, EffectModel, Neighbours, Occurrence,
+    Parameter, Prerequisite, Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 
@@ -33,6 +33,7 @@ impl EffectModel for FrictionAsymmetry {
     const SUMMARY: &'static str = "viscous friction b + h for v > 0, b − h for v < 0";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("half_difference_n_s_per_m", Unit::NewtonSecondPerMetre, Range::Signed)];
+    const PART_OF_DECLARED: &'static [&'static str] = &["constant_load"];
     const OCCURRENCE: Occurrence = Occurrence::Once;
     const SHOWN_IN: &'static [Stage] = &[Stage::Force, Stage::Table];
     const DRAW_NUMBER: Option<u32> = Some(5);
@@ -59,6 +60,10 @@ impl EffectModel for FrictionAsymmetry {
 
     fn values(&self) -> Vec<f64> {
         vec![self.half_difference_n_s_per_m]
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::FRICTION
     }
 
     fn sentence(&self, wording: &Wording) -> String {

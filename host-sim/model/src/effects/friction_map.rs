@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, KeptPart, Misplaced, Neighbours, Occurrence, Parameter,
-    Placement, Prerequisite, Range, Stage, Unit, Wording, knots,
+    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, KeptPart, Misplaced, Neighbours,
+    Occurrence, Parameter, Placement, Prerequisite, Range, Stage, Unit, Wording, knots,
 };
 use crate::axis::Settings;
 use crate::position_curve::PositionCurve;
@@ -37,6 +37,7 @@ impl EffectModel for FrictionMap {
         Parameter::list("positions_mm", Unit::Millimetre, Range::Signed),
         Parameter::list("friction_n", Unit::Newton, Range::Signed),
     ];
+    const IS_LINEAR: bool = true;
     const OCCURRENCE: Occurrence = Occurrence::Once;
     const SHOWN_IN: &'static [Stage] = &[Stage::Force];
 
@@ -78,6 +79,21 @@ impl EffectModel for FrictionMap {
 
     fn lengths(&self) -> Vec<usize> {
         vec![self.positions_mm.len(), self.friction_n.len()]
+    }
+
+    /// Zero, with a standard deviation of the Coulomb friction: a fit without a fold knows nothing of positions that only this fold
+    /// contains.
+    fn prior(&self, declared: &Settings) -> Option<[f64; 2]> {
+        let coulomb_n = declared.mechanics.coulomb_n.filter(|force_n| *force_n > 0.0)?;
+        Some([0.0, coulomb_n])
+    }
+
+    fn over_position(&self) -> Option<&[f64]> {
+        Some(&self.positions_mm)
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::FRICTION
     }
 
     fn sentence(&self, wording: &Wording) -> String {

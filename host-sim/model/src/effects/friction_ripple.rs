@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    EffectContext, EffectModel, Neighbours, Prerequisite, Stage, Unit, WaveOf, Wording, harmonic,
-    harmonic_effect,
+    EffectCompensation, EffectContext, EffectModel, Neighbours, Prerequisite, Stage, Unit, WaveOf, Wording,
+    harmonic, harmonic_effect,
 };
 use crate::axis::Settings;
 
@@ -66,6 +66,10 @@ impl EffectModel for FrictionRipple {
         };
         let lead_mm = context.axis.mechanics.lead_mm;
         harmonic::guesses(context, WaveOf::Friction, lead_mm, HIGHEST_ORDER).into_iter().map(guess).collect()
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::FRICTION
     }
 
     fn sentence(&self, wording: &Wording) -> String {

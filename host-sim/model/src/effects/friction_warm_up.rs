@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Neighbours, Occurrence, Parameter, Prerequisite, Range,
-    Stage, Unit, Wording,
+    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
+    Prerequisite, Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 
@@ -74,6 +74,10 @@ impl EffectModel for FrictionWarmUp {
 
     fn values(&self) -> Vec<f64> {
         vec![self.force_n, self.time_constant_s]
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::FRICTION
     }
 
     fn sentence(&self, wording: &Wording) -> String {

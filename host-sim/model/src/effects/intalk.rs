@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Imitation, ImitationContext, Occurrence,
-    Parameter, Range, Stage, Unit, Wording,
+    Abscissa, Coordinate, Draw, EffectCompensation, EffectContext, EffectModel, Imitation, ImitationContext,
+    Occurrence, Parameter, Range, Stage, Unit, Wording,
 };
 
 /// Tool − table = coefficient · acceleration of the same axis; Nguyen, Weikert, Wegener, equations (7) to (9).
@@ -55,6 +55,10 @@ impl EffectModel for Intalk {
     fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
         let stretch = context.hides_stretch().then_some(Imitation::STRETCH);
         stretch.into_iter().chain(context.displaced_head(Some(self.offset_m(1.0)))).collect()
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by("the displacement by the commanded acceleration is subtracted")
     }
 
     fn sentence(&self, wording: &Wording) -> String {

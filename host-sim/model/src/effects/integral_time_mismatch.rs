@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, EffectContext, EffectModel, Misplaced, Neighbours, Placement, Prerequisite, Stage, Wording,
-    relative_deviation,
+    Abscissa, EffectCompensation, EffectContext, EffectModel, Misplaced, Neighbours, Placement, Prerequisite,
+    Stage, Wording, relative_deviation,
 };
 use crate::axis::Settings;
 
@@ -51,6 +51,10 @@ impl EffectModel for IntegralTimeMismatch {
     /// resemble 1 to 2 % of Ti.
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         self.percent.abs() > 3.0
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by("the setting of Ti is changed so that the drive has the declared one")
     }
 
     fn sentence(&self, wording: &Wording) -> String {

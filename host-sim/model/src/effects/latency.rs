@@ -5,9 +5,11 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Channel, Coordinate, Distinction, Draw, EffectContext, EffectModel, Found, Imitation,
-    ImitationContext, Misplaced, Occurrence, Parameter, Placement, Range, Stage, Substitute, Unit, Wording,
+    Abscissa, Channel, Coordinate, Distinction, Draw, EffectCompensation, EffectContext, EffectModel, Found,
+    Imitation, ImitationContext, Misplaced, Occurrence, Parameter, Placement, Range, Stage, Substitute,
+    Timing, Unit, Wording,
 };
+
 use crate::axis::Settings;
 
 /// Each sample of the channel holds the value of the instant `ms` earlier. The control loop is not affected.
@@ -118,6 +120,17 @@ impl EffectModel for Latency {
     fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
         let is_of_tool = self.channel == Channel::Tool;
         if is_of_tool && context.hides_stretch() { vec![Imitation::STRETCH] } else { Vec::new() }
+    }
+
+    fn timing(&self) -> Option<Timing> {
+        Some(Timing::Reading { channel: self.channel, late_ms: self.ms })
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::not(
+            "only the log is late, the machine is not",
+            "read the channels at the same instant; this program moves the channel back where it evaluates logs",
+        )
     }
 
     fn sentence(&self, wording: &Wording) -> String {

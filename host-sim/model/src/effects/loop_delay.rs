@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use shared::config::Rates;
 
-use super::declaration::{Abscissa, EffectModel, Wording, delay};
+use super::declaration::{Abscissa, EffectCompensation, EffectModel, Wording, delay};
 use crate::axis::Settings;
 
 /// Time between the readings of the position loop and the velocity command that follows from them: a cycle of the control or of
@@ -34,6 +34,10 @@ impl EffectModel for LoopDelay {
     /// (EMPS: 0.17 samples beside a mean of two readings).
     fn exceeds_tolerance(&self, _declared: &Settings, rates: Rates) -> bool {
         1e-3 * self.ms * rates.velocity_loop_hz > 0.3 * f64::from(rates.position_loop_divider)
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::DELAY
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -47,6 +47,7 @@ mod scale_cyclic;
 mod scale_gain;
 mod servo_mismatch;
 mod shear_thinning;
+mod slopes;
 mod squareness;
 mod straightness;
 mod stribeck;
@@ -66,12 +67,13 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use shared::config::Rates;
 
 use crate::axis::Settings;
-use declaration::{EntryValue, catalogue};
+use declaration::{AnyEffect, EntryValue, catalogue};
 
 pub use declaration::{
-    Abscissa, Channel, Coordinate, Distinction, Draw, EffectContext, EffectModel, Found, Imitation,
-    ImitationContext, LEAST_SLOPE_UM_PER_M, Misplaced, Neighbours, Occurrence, Parameter, PeriodicError,
-    Placement, Prerequisite, ResidualShape, ResidualWave, Stage, Substitute, Unit, WaveOf, Wording, harmonic,
+    Abscissa, Channel, Coordinate, Distinction, Draw, EffectCompensation, EffectContext, EffectModel, Found,
+    Imitation, ImitationContext, LEAST_SLOPE_UM_PER_M, Misplaced, Mode, Neighbours, Occurrence, Parameter,
+    PeriodicError, Placement, PositionWave, Prerequisite, ResidualShape, ResidualWave, SlopeOf, Stage,
+    Substitute, Timing, Unit, WaveOf, Wording, harmonic,
 };
 
 pub use backlash::Backlash;
@@ -195,8 +197,7 @@ mod tests {
             others: &others,
             stages: &stages,
             travel_mm,
-            has_backlash: true,
-            modes: 0,
+            effects: &["backlash"],
             residual,
         };
         // Some effects are searched for only without a linear scale, or only if no presliding is declared.

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Misplaced, Neighbours, Occurrence, Parameter,
-    Placement, Prerequisite, Range, Stage, Unit, Wording,
+    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Misplaced, Neighbours, Occurrence,
+    Parameter, Placement, Prerequisite, Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 use crate::friction_law::stribeck_rise_n;
@@ -93,6 +93,10 @@ impl EffectModel for MotorStribeck {
 
     fn values(&self) -> Vec<f64> {
         vec![self.static_excess_n, self.velocity_mm_s]
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::FRICTION
     }
 
     fn sentence(&self, wording: &Wording) -> String {

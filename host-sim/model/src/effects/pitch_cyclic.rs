@@ -3,9 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Draw, EffectContext, EffectModel, Found, Imitation, ImitationContext, Neighbours, PeriodicError,
-    Prerequisite, Stage, Substitute, Unit, WaveOf, Wording, harmonic, harmonic_effect,
+    AnyEffect, Draw, EffectCompensation, EffectContext, EffectModel, Found, Imitation, ImitationContext,
+    Neighbours, PeriodicError, PositionWave, Prerequisite, Stage, Substitute, Unit, WaveOf, Wording,
+    harmonic, harmonic_effect,
 };
+use super::scale_cyclic::ScaleCyclic;
 use crate::axis::Settings;
 
 /// Highest order of a screw turn that is tried in any case: runout of nut or bearing (1), ovality (2). Higher orders and
@@ -83,6 +85,21 @@ impl EffectModel for PitchCyclic {
             periods > 0.5 && (periods - periods.round()).abs() < 0.01
         });
         if repeats_with_motor { context.rival_wave(Imitation::READING_WAVE) } else { Vec::new() }
+    }
+
+    fn wave(&self) -> Option<PositionWave> {
+        let Self { amplitude_um, period_mm, .. } = *self;
+        Some(PositionWave { amplitude_um, period_mm })
+    }
+
+    fn of_scale(&self) -> Option<AnyEffect> {
+        let Self { amplitude_um, period_mm, phase_rad, .. } = *self;
+        let fitted_period_mm = self.fitted_period_mm;
+        Some(AnyEffect::new(ScaleCyclic { amplitude_um, period_mm, phase_rad, fitted_period_mm }))
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by("the periodic error is subtracted from the command")
     }
 
     fn sentence(&self, wording: &Wording) -> String {

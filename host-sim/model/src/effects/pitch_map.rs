@@ -3,9 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Imitation, ImitationContext, KeptPart, Misplaced,
-    Occurrence, Parameter, Placement, Range, Stage, Unit, Wording, knots,
+    Abscissa, AnyEffect, Coordinate, EffectCompensation, EffectContext, EffectModel, Imitation,
+    ImitationContext, KeptPart, Misplaced, Occurrence, Parameter, Placement, PositionWave, Range,
+    ResidualShape, Stage, Unit, Wording, knots,
 };
+use super::pitch_progressive::PitchProgressive;
 use crate::position_curve::PositionCurve;
 
 /// Table = motor + error(motor): the error is given at positions of the motor, with a natural cubic spline between them,
@@ -30,7 +32,22 @@ pub struct PitchMap {
     pub error_negative_um: Option<Vec<f64>>,
 }
 
+/// Largest number of knots of a refined map.
+const FINEST: usize = 40;
+
+/// Largest amplitude of a remainder, as a fraction of the map's peak-to-peak error. A cubic spline with knots at the distance h
+/// leaves at most 5/384·(2πh/P)⁴ of a wave of the period P (C. A. Hall and W. W. Meyer, 1976): 8 % with four knots a wave.
+const MAX_REMAINDER: f64 = 0.02;
+
 impl PitchMap {
+    /// A map of zeros with evenly spaced knots over a travel (mm), with one curve or one for each direction.
+    #[must_use]
+    pub fn without_error(travel_mm: [f64; 2], knots: u32, differ: bool) -> Self {
+        let positions_mm = knots::positions_mm(travel_mm, knots);
+        let error_um = vec![0.0; positions_mm.len()];
+        Self { error_negative_um: differ.then(|| error_um.clone()), error_um, positions_mm }
+    }
+
     /// Mean error of both directions, m, over the position, m.
     #[must_use]
     pub fn mean_error(&self) -> PositionCurve {
@@ -81,6 +98,8 @@ impl EffectModel for PitchMap {
         Parameter::list("error_um", Unit::Micrometre, Range::Signed),
         Parameter::list("error_negative_um", Unit::Micrometre, Range::Signed),
     ];
+    const IS_LINEAR: bool = true;
+    const CONTAINS: &'static [&'static str] = &["pitch_progressive"];
     const OCCURRENCE: Occurrence = Occurrence::Once;
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
 
@@ -99,13 +118,9 @@ impl EffectModel for PitchMap {
         if !context.has(Stage::Table) {
             return Vec::new();
         }
-        let guess = |count: u32, differ: bool| {
-            let positions_mm = knots::positions_mm(context.travel_mm, count);
-            let error_um = vec![0.0; positions_mm.len()];
-            Self { error_negative_um: differ.then(|| error_um.clone()), error_um, positions_mm }
-        };
+        let guess = |count: u32, differ: bool| Self::without_error(context.travel_mm, count, differ);
         // A gap of varying width needs a backlash: its own mean width is zero.
-        let each_way = context.residual.pitch_knots_each_way.filter(|_| context.has_backlash);
+        let each_way = context.residual.pitch_knots_each_way.filter(|_| context.count("backlash") > 0);
         let both = context.residual.pitch_knots.map(|count| guess(count, false));
         both.into_iter().chain(each_way.map(|count| guess(count, true))).collect()
     }
@@ -150,6 +165,45 @@ impl EffectModel for PitchMap {
         vec![self.positions_mm.len(), self.error_um.len(), negative]
     }
 
+    /// A map has no slope of its own, and a screw with an error over the position rarely has none. The slope is dropped again if its
+    /// interval contains zero.
+    fn added_with(&self) -> Option<AnyEffect> {
+        Some(AnyEffect::new(PitchProgressive::default()))
+    }
+
+    /// With the knots that the residual asks for, and half as many again. The number of knots of a map follows from the residual at
+    /// the time when it is added, which other effects still disturb.
+    fn refined(&self, residual: &ResidualShape) -> Option<Self> {
+        let knots = self.positions_mm.len();
+        let more = knots + knots / 2;
+        let more = u32::try_from(more).ok().filter(|_| more <= FINEST)?;
+        residual.pitch_knots.map(|asked| self.with_knots(asked.max(more)))
+    }
+
+    fn describes_any_shape_of(&self) -> Option<Stage> {
+        Some(Stage::Table)
+    }
+
+    fn depends_on_direction(&self) -> bool {
+        self.error_negative_um.is_some()
+    }
+
+    /// A wave, longer than half the distance of the knots, that is no larger than what the map leaves between its knots: a remainder
+    /// that is zero at the knots, with the period of their distance, times the wave of the screw.
+    fn leaves(&self, wave: PositionWave) -> bool {
+        let spacing_mm = self.positions_mm.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+        let size_um = numerics::peak_to_peak(self.error_um.iter().copied());
+        wave.period_mm > 0.5 * spacing_mm && wave.amplitude_um.abs() < MAX_REMAINDER * size_um
+    }
+
+    fn over_position(&self) -> Option<&[f64]> {
+        Some(&self.positions_mm)
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by("the error over the position is subtracted from the command")
+    }
+
     fn sentence(&self, wording: &Wording) -> String {
         let count = self.positions_mm.len();
         let size = match self.error_negative_um {
@@ -178,6 +232,32 @@ mod tests {
     use super::*;
 
     /// A straight line is its own spline: 0, 2, 4 µm at −10, 0, 10 mm are 0, 1, 2, 3, 4 µm at five knots.
+    /// 2 % of a map of 4 µm peak to peak (3.9 at its knots) are 0.08 µm; its knots are 12 mm apart.
+    #[test]
+    fn a_map_leaves_small_long_waves() {
+        let positions_mm: Vec<f64> = (0..10).map(|i| 12.0 * f64::from(i)).collect();
+        let error_um = positions_mm.iter().map(|mm| 2.0 * (0.1 * mm).sin()).collect();
+        let map = PitchMap { positions_mm, error_um, error_negative_um: None };
+        let leaves = |amplitude_um, period_mm| map.leaves(PositionWave { amplitude_um, period_mm });
+        assert!(leaves(0.02, 16.0) && leaves(-0.07, 16.0) && leaves(0.02, 10.0));
+        assert!(!leaves(0.09, 16.0), "larger than what a map leaves");
+        assert!(!leaves(0.02, 5.0), "shorter than half the distance");
+    }
+
+    /// 4 knots and half as many are 6; 30 and half as many would be 45.
+    #[test]
+    fn a_map_is_refined_by_half_as_many_knots_up_to_the_finest() {
+        let refined = |knots: u32, asked| {
+            let residual = ResidualShape { pitch_knots: asked, ..ResidualShape::default() };
+            let map = PitchMap::without_error([0.0, 100.0], knots, false);
+            map.refined(&residual).map(|map| map.positions_mm.len())
+        };
+        assert_eq!(refined(4, None), None);
+        assert_eq!(refined(4, Some(3)), Some(6));
+        assert_eq!(refined(4, Some(12)), Some(12));
+        assert_eq!(refined(30, Some(12)), None);
+    }
+
     #[test]
     fn a_map_keeps_its_curves_with_other_knots() {
         let map = PitchMap {

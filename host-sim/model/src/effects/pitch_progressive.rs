@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Draw, EffectContext, EffectModel, Imitation, ImitationContext, Stage, Wording, slope,
+    Draw, EffectCompensation, EffectContext, EffectModel, Imitation, ImitationContext, SlopeOf, Stage,
+    Wording, slope,
 };
 
 /// Table = (1 + slope) · motor.
@@ -43,6 +44,18 @@ impl EffectModel for PitchProgressive {
     fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
         let is_contradicted = context.has(Stage::Tool) && !context.tool_follows_scale;
         if is_contradicted { vec![Imitation::SCALE] } else { Vec::new() }
+    }
+
+    fn slope(&self) -> Option<SlopeOf> {
+        Some(SlopeOf::Screw)
+    }
+
+    fn over_position(&self) -> Option<&[f64]> {
+        Some(&[])
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by("the error over the position is subtracted from the command")
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use shared::config::Rates;
 
-use super::declaration::{Abscissa, EffectModel, Wording, delay};
+use super::declaration::{Abscissa, EffectCompensation, EffectModel, Wording, delay};
 use crate::axis::Settings;
 
 /// The position loop uses a position that is `ms` old, as over a slow bus or through a filter. The velocity loop is not
@@ -34,6 +34,10 @@ impl EffectModel for PositionDelay {
     /// The instants at which channels are read are known to a tenth of a sample.
     fn exceeds_tolerance(&self, _declared: &Settings, rates: Rates) -> bool {
         1e-3 * self.ms * rates.velocity_loop_hz > 0.1 * f64::from(rates.position_loop_divider)
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::DELAY
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Neighbours, Occurrence, Parameter, Prerequisite, Range,
-    Stage, Unit, Wording,
+    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
+    Prerequisite, Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 
@@ -73,6 +73,10 @@ impl EffectModel for PositionLoad {
 
     fn values(&self) -> Vec<f64> {
         [self.slope_n_per_m, self.centre_mm].into_iter().chain(self.curvature_n_per_m2).collect()
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by("the load over the position is part of the force feed-forward")
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Neighbours, Occurrence, Parameter, Prerequisite, Range,
-    Stage, Unit, Wording,
+    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
+    Prerequisite, Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 
@@ -78,6 +78,10 @@ impl EffectModel for PreloadVariation {
 
     fn values(&self) -> Vec<f64> {
         vec![self.centre_mm, self.slope_n_per_m, self.curvature_n_per_m2]
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::FRICTION
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::declaration::{EffectContext, EffectModel, Stage, Wording, slope};
+use super::declaration::{EffectCompensation, EffectContext, EffectModel, SlopeOf, Stage, Wording, slope};
 
 /// Reading = tool + gain × table position.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -33,6 +33,14 @@ impl EffectModel for ProbeGain {
 
     fn initial_guesses(_context: &EffectContext<'_>) -> Vec<Self> {
         vec![Self::default()]
+    }
+
+    fn slope(&self) -> Option<SlopeOf> {
+        Some(SlopeOf::Probe)
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::PROBE
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, LEAST_SLOPE_UM_PER_M, Misplaced, Neighbours,
-    Occurrence, Parameter, Placement, Prerequisite, Range, Stage, Unit, Wording,
+    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, LEAST_SLOPE_UM_PER_M, Misplaced,
+    Neighbours, Occurrence, Parameter, Placement, Prerequisite, Range, SlopeOf, Stage, Unit, Wording,
 };
+
 use crate::axis::Settings;
 use shared::config::Rates;
 
@@ -66,6 +67,14 @@ impl EffectModel for ProbeRotation {
 
     fn values(&self) -> Vec<f64> {
         vec![self.um_per_m]
+    }
+
+    fn slope(&self) -> Option<SlopeOf> {
+        Some(SlopeOf::ProbeAngle)
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::PROBE
     }
 
     fn sentence(&self, wording: &Wording) -> String {

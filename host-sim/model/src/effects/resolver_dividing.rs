@@ -1,11 +1,15 @@
 //! Dividing error of the resolver: an error of the motor reading that repeats with every electrical period.
 
+use std::f64::consts::PI;
+
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Draw, EffectContext, EffectModel, Found, Imitation, ImitationContext, Neighbours, PeriodicError,
-    Prerequisite, Stage, Substitute, Unit, WaveOf, Wording, harmonic, harmonic_effect,
+    AnyEffect, Draw, EffectCompensation, EffectContext, EffectModel, Found, Imitation, ImitationContext,
+    Neighbours, PeriodicError, PositionWave, Prerequisite, Stage, Substitute, Unit, WaveOf, Wording,
+    harmonic, harmonic_effect,
 };
+use super::scale_cyclic::ScaleCyclic;
 use crate::axis::Settings;
 
 /// Highest order of an electrical period that is tried in any case. Offsets of sine and cosine cause order 1, a
@@ -88,6 +92,26 @@ impl EffectModel for ResolverDividing {
 
     fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
         context.rival_wave(Imitation::SCREW_WAVE)
+    }
+
+    fn wave(&self) -> Option<PositionWave> {
+        let Self { amplitude_um, period_mm, .. } = *self;
+        Some(PositionWave { amplitude_um, period_mm })
+    }
+
+    fn of_scale(&self) -> Option<AnyEffect> {
+        let Self { amplitude_um, period_mm, phase_rad, .. } = *self;
+        let fitted_period_mm = self.fitted_period_mm;
+        Some(AnyEffect::new(ScaleCyclic {
+            amplitude_um,
+            period_mm,
+            phase_rad: phase_rad + PI,
+            fitted_period_mm,
+        }))
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by("the periodic error is subtracted from the motor reading")
     }
 
     fn sentence(&self, wording: &Wording) -> String {

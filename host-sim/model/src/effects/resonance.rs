@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Channel, Coordinate, Distinction, EffectContext, EffectModel, Imitation, ImitationContext,
-    Misplaced, Occurrence, Parameter, Placement, Range, Stage, Unit, Wording,
+    Abscissa, Channel, Coordinate, Distinction, EffectCompensation, EffectContext, EffectModel, Imitation,
+    ImitationContext, Misplaced, Mode, Occurrence, Parameter, Placement, Range, Stage, Unit, Wording,
 };
 
 /// Tool − table = participation·(H − 1)·table, H = ω²/(s² + 2ζωs + ω²). The contributions of several modes add up (modal
@@ -44,7 +44,7 @@ impl Resonance {
     }
 
     /// Second modes with which a fit starts, without any participation yet.
-    pub fn second_modes() -> impl Iterator<Item = Self> {
+    fn second_modes() -> impl Iterator<Item = Self> {
         (0..22).map(|power| Self {
             participation: 0.0,
             fits_participation: true,
@@ -99,7 +99,7 @@ impl EffectModel for Resonance {
     }
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        match context.modes {
+        match context.count(Self::NAME) {
             0 => [15.0, 30.0, 60.0, 120.0, 240.0, 480.0].map(|hz| Self::of_tool(hz, 0.05)).to_vec(),
             1 => Self::second_modes().collect(),
             _ => Vec::new(),
@@ -144,6 +144,36 @@ impl EffectModel for Resonance {
     fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
         let stretch = context.hides_stretch().then_some(Imitation::STRETCH);
         stretch.into_iter().chain(context.displaced_head(Some(self.static_s2()))).collect()
+    }
+
+    fn among_several(&self) -> Option<Self> {
+        (!self.fits_participation).then(|| Self { fits_participation: true, ..self.clone() })
+    }
+
+    /// Far below its frequency every mode lags alike, so that a fit ends at any frequency near that with which it started. The lag is
+    /// kept.
+    fn other_starts(&self) -> Vec<Self> {
+        let at = |guess: Self| {
+            let ratio = guess.frequency_hz / self.frequency_hz;
+            Self { participation: self.participation * ratio * ratio, ..guess }
+        };
+        Self::second_modes().map(at).collect()
+    }
+
+    fn mode(&self) -> Option<Mode> {
+        let Self { frequency_hz, damping_ratio, participation, .. } = *self;
+        Some(Mode { frequency_hz, damping_ratio, participation })
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::Compensated {
+            does: "the command leads by the lag of the tool, 2·ζ/ω (Kf) and 1/ω² per commanded acceleration",
+            also: format!(
+                "against the oscillation that steps of the acceleration excite, limit the jerk, or set smoothing_s = {:.4}, one \
+                 period, on all axes of the machine file",
+                self.frequency_hz.recip()
+            ),
+        }
     }
 
     fn sentence(&self, wording: &Wording) -> String {

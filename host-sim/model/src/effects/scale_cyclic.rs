@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::declaration::{EffectContext, EffectModel, PeriodicError, Stage, Unit, Wording, harmonic_effect};
+use super::declaration::{
+    EffectCompensation, EffectContext, EffectModel, PeriodicError, Stage, Unit, Wording, harmonic_effect,
+};
 
 /// Reading of the scale = table + amplitude·sin(2π·table/period + phase).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,6 +46,10 @@ impl EffectModel for ScaleCyclic {
     /// A `pitch_cyclic` is the same in the table stage, where it is searched; the tool stage decides between them.
     fn initial_guesses(_context: &EffectContext<'_>) -> Vec<Self> {
         Vec::new()
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::SCALE
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::declaration::{EffectContext, EffectModel, Stage, Wording, slope};
+use super::declaration::{EffectCompensation, EffectContext, EffectModel, SlopeOf, Stage, Wording, slope};
 
 /// Reading of the scale = (1 + gain) × table position.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -35,6 +35,14 @@ impl EffectModel for ScaleGain {
     /// A `pitch_progressive` has the same regressor in the table stage, where it is searched; the tool stage decides between them.
     fn initial_guesses(_context: &EffectContext<'_>) -> Vec<Self> {
         Vec::new()
+    }
+
+    fn slope(&self) -> Option<SlopeOf> {
+        Some(SlopeOf::Scale)
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::SCALE
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use shared::config::Rates;
 
-use super::declaration::{Abscissa, Draw, EffectContext, EffectModel, Stage, Wording, relative_deviation};
+use super::declaration::{
+    Abscissa, Draw, EffectCompensation, EffectContext, EffectModel, Stage, Wording, relative_deviation,
+};
 use crate::axis::Settings;
 
 /// True Kp = declared Kp · (1 + percent/100).
@@ -37,6 +39,10 @@ impl EffectModel for ServoMismatch {
     /// The unknown discretization of a drive's filters has an effect of 0.25 %.
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         self.percent.abs() > 0.25
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by("the setting of Kp is changed so that the drive has the declared one")
     }
 
     fn sentence(&self, wording: &Wording) -> String {

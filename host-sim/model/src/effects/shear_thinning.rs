@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Neighbours, Occurrence, Parameter, Prerequisite, Range,
-    Stage, Unit, Wording,
+    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
+    Prerequisite, Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 use crate::friction_law::exponential_decay;
@@ -77,6 +77,13 @@ impl EffectModel for ShearThinning {
 
     fn values(&self) -> Vec<f64> {
         vec![self.force_n, self.velocity_mm_s]
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::not(
+            "the force feed-forward has no friction that falls towards standstill or depends on the past speed",
+            "check the lubricant, or move at speeds at which its film carries",
+        )
     }
 
     fn sentence(&self, wording: &Wording) -> String {

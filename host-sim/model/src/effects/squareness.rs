@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Misplaced, Neighbours, Occurrence, Parameter,
-    Placement, Prerequisite, Range, Stage, Unit, Wording,
+    Abscissa, Coordinate, Draw, EffectCompensation, EffectContext, EffectModel, Misplaced, Neighbours,
+    Occurrence, Parameter, Placement, Prerequisite, Range, SlopeOf, Stage, Unit, Wording,
 };
+
 use crate::axis::Settings;
 
 /// Tool x += coefficient × table y. Reported for x, the machine's first axis.
@@ -60,6 +61,16 @@ impl EffectModel for Squareness {
 
     fn values(&self) -> Vec<f64> {
         vec![self.um_per_m]
+    }
+
+    fn slope(&self) -> Option<SlopeOf> {
+        Some(SlopeOf::Axes)
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by(
+            "the displacement over the other axis's position is subtracted from the command",
+        )
     }
 
     fn sentence(&self, wording: &Wording) -> String {

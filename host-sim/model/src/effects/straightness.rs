@@ -4,8 +4,8 @@ use files::format::significant;
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, Distinction, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
-    Prerequisite, Range, Stage, Unit, Wording,
+    Abscissa, Coordinate, Distinction, Draw, EffectCompensation, EffectContext, EffectModel, Neighbours,
+    Occurrence, Parameter, Prerequisite, Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 
@@ -64,6 +64,12 @@ impl EffectModel for Straightness {
 
     fn distinction(&self) -> Distinction<'_> {
         Distinction::Source(&self.source)
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by(
+            "the displacement over the other axis's position is subtracted from the command",
+        )
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Imitation, ImitationContext, Neighbours,
-    Occurrence, Parameter, Prerequisite, Range, Stage, Unit, Wording,
+    Abscissa, Coordinate, Draw, EffectCompensation, EffectContext, EffectModel, Imitation, ImitationContext,
+    Neighbours, Occurrence, Parameter, Prerequisite, Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 use crate::friction_law::stribeck_rise_n;
@@ -93,6 +93,10 @@ impl EffectModel for Stribeck {
             decided_by: "velocity_gain_n_s_per_m in the machine file",
         };
         if is_sampled && is_gain_unknown { vec![sampling] } else { Vec::new() }
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::FRICTION
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, Distinction, Draw, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage,
-    Unit, Wording,
+    Abscissa, AnyEffect, Coordinate, Distinction, Draw, EffectCompensation, EffectContext, EffectModel,
+    Occurrence, Parameter, Range, Stage, Unit, Wording,
 };
+use super::thermal_rate::ThermalRate;
 
 /// Tool − table = amplitude·(1 − exp(−t/τ)), where t is the time on the session clock.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,6 +33,7 @@ impl EffectModel for ThermalDrift {
         Parameter::new("amplitude_um", Unit::Micrometre, Range::Signed),
         Parameter::new("time_constant_s", Unit::Second, Range::Positive),
     ];
+    const CONTAINS: &'static [&'static str] = &["thermal_rate"];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;
     const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
     const DRAW_NUMBER: Option<u32> = Some(13);
@@ -61,6 +63,17 @@ impl EffectModel for ThermalDrift {
 
     fn distinction(&self) -> Distinction<'_> {
         Distinction::TimeConstant(self.time_constant_s)
+    }
+
+    /// Over a time that is short beside its time constant, a drift is a straight line: its mean rate.
+    fn within_logs(&self, half_widths: &[f64], end_s: f64) -> Option<AnyEffect> {
+        let half_width_s = half_widths.get(1).copied().unwrap_or(0.0);
+        let rate = || AnyEffect::new(ThermalRate { um_per_min: 60e6 * self.offset_m(end_s) / end_s });
+        (self.time_constant_s + half_width_s > end_s).then(rate)
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by("the drift over the time of the session is subtracted from the command")
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit, Wording,
+    Abscissa, AnyEffect, Coordinate, EffectCompensation, EffectContext, EffectModel, Occurrence, Parameter,
+    Range, Stage, Unit, Wording,
 };
 
 /// The part that grows.
@@ -54,7 +55,7 @@ impl ThermalGrowth {
 
     /// The growth of the other part that the scale reads alike.
     #[must_use]
-    pub const fn of_scale(&self) -> Self {
+    const fn as_growth_of_scale(&self) -> Self {
         Self { part: GrowingPart::Scale, um_per_m: -self.um_per_m, time_constant_s: self.time_constant_s }
     }
 }
@@ -68,6 +69,7 @@ impl EffectModel for ThermalGrowth {
         Parameter::new("time_constant_s", Unit::Second, Range::Positive),
     ];
     const NAMED_KEYS: &'static [(&'static str, &'static str)] = &[("part", "`screw` or `scale`")];
+    const CONTAINS: &'static [&'static str] = &["pitch_progressive"];
     const OCCURRENCE: Occurrence = Occurrence::Once;
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
 
@@ -91,6 +93,17 @@ impl EffectModel for ThermalGrowth {
 
     fn values(&self) -> Vec<f64> {
         vec![self.um_per_m, self.time_constant_s]
+    }
+
+    fn of_scale(&self) -> Option<AnyEffect> {
+        (self.part == GrowingPart::Screw).then(|| AnyEffect::new(self.as_growth_of_scale()))
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::not(
+            "the controller has no table of the position that changes with time",
+            "warm the machine up, close the loop by the scale, or correct the scale by its temperature",
+        )
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit, Wording,
+    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Occurrence, Parameter, Range,
+    Stage, Unit, Wording,
 };
 
 /// Tool − table = rate·t, where t is the time on the session clock.
@@ -49,6 +50,13 @@ impl EffectModel for ThermalRate {
 
     fn values(&self) -> Vec<f64> {
         vec![self.um_per_min]
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::not(
+            "the logs show neither the time constant nor the end of the drift, so that it cannot be continued",
+            "record until the drift ends, or warm the machine up",
+        )
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Draw, EffectContext, EffectModel, Imitation, ImitationContext, Neighbours, Prerequisite, Stage, Unit,
-    WaveOf, Wording, harmonic, harmonic_effect,
+    Draw, EffectCompensation, EffectContext, EffectModel, Imitation, ImitationContext, Neighbours,
+    Prerequisite, Stage, Unit, WaveOf, Wording, harmonic, harmonic_effect,
 };
 use crate::axis::Settings;
 
@@ -78,6 +78,10 @@ impl EffectModel for TorqueRipple {
             decided_by: "the readings of a linear scale or a probe",
         };
         if is_table_seen { Vec::new() } else { vec![screw] }
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by("the periodic force is subtracted from the force")
     }
 
     fn sentence(&self, wording: &Wording) -> String {

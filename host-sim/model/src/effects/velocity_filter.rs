@@ -5,9 +5,10 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Found, Occurrence, Parameter, Range, Stage, Substitute,
-    Unit, Wording,
+    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Found, Occurrence, Parameter,
+    Range, Stage, Substitute, Timing, Unit, Wording,
 };
+
 use crate::axis::Settings;
 
 /// The velocity loop uses the backward difference behind a first-order low-pass, as drives have it against the noise of their
@@ -81,6 +82,17 @@ impl EffectModel for VelocityFilter {
 
     fn values(&self) -> Vec<f64> {
         vec![self.time_constant_ms]
+    }
+
+    fn timing(&self) -> Option<Timing> {
+        Some(Timing::VelocityAge)
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::not(
+            "the delay is in the drive's own velocity reading",
+            "reduce the averaging of the velocity in the drive",
+        )
     }
 
     fn sentence(&self, wording: &Wording) -> String {

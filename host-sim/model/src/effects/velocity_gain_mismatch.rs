@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, EffectContext, EffectModel, Imitation, ImitationContext, Stage, Wording, relative_deviation,
+    Abscissa, EffectCompensation, EffectContext, EffectModel, Imitation, ImitationContext, Stage, Wording,
+    relative_deviation,
 };
 use crate::axis::Settings;
 
@@ -62,6 +63,10 @@ impl EffectModel for VelocityGainMismatch {
             }];
         }
         if context.allows_force_scale(self.factor()) { vec![Imitation::FORCE_GAIN] } else { Vec::new() }
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by("the setting of Kv is changed so that the drive has the declared one")
     }
 
     fn sentence(&self, wording: &Wording) -> String {

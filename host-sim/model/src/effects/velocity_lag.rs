@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Misplaced, Occurrence, Parameter, Placement, Range,
-    Stage, Unit, Wording,
+    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Misplaced, Occurrence, Parameter,
+    Placement, Range, Stage, Timing, Unit, Wording,
 };
+
 use super::latency::LONGEST_LATENCY_MS;
 use crate::axis::Settings;
 
@@ -81,6 +82,21 @@ impl EffectModel for VelocityLag {
 
     fn coordinates_at(&self, rates: Rates) -> Vec<Coordinate> {
         vec![self.within(rates)]
+    }
+
+    fn hides_friction() -> Option<Self> {
+        Some(Self::default())
+    }
+
+    fn timing(&self) -> Option<Timing> {
+        Some(Timing::VelocityAge)
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::not(
+            "the delay is in the drive's own velocity reading",
+            "reduce the averaging of the velocity in the drive",
+        )
     }
 
     fn sentence(&self, wording: &Wording) -> String {

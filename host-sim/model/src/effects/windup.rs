@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Misplaced, Neighbours, Occurrence, Parameter,
-    Placement, Prerequisite, Range, Stage, Unit, Wording,
+    Abscissa, Coordinate, Draw, EffectCompensation, EffectContext, EffectModel, Misplaced, Neighbours,
+    Occurrence, Parameter, Placement, Prerequisite, Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 
@@ -82,6 +82,10 @@ impl EffectModel for Windup {
 
     fn values(&self) -> Vec<f64> {
         vec![self.stiffness_n_per_um]
+    }
+
+    fn compensation(&self) -> EffectCompensation {
+        EffectCompensation::by("the stretch under the modelled force is added to the command")
     }
 
     fn sentence(&self, wording: &Wording) -> String {

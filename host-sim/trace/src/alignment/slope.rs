@@ -8,7 +8,7 @@ use crate::outcome::AxisTrace;
 use crate::validation::found_effect::FoundEffect;
 use crate::validation::tool_slopes::Slope;
 use files::log::Unit;
-use model::effects::{Effect, LEAST_SLOPE_UM_PER_M, PitchProgressive, ScaleGain, Stage};
+use model::effects::{Effect, LEAST_SLOPE_UM_PER_M, SlopeOf, Stage};
 
 /// Standard deviation of the gain of a linear scale, µm per m: ±10 µm/m of the grating and 1 to 2 K of its temperature.
 const SCALE_UM_PER_M: f64 = 20.0;
@@ -21,17 +21,18 @@ pub fn decide(axis: &mut AxisTrace, has_table: bool, min_size: f64) {
     if axis.unit == Unit::Degree {
         return;
     }
-    let find = |axis: &AxisTrace, name: &str| axis.found.iter().position(|found| found.effect.name() == name);
+    let find =
+        |axis: &AxisTrace, of: SlopeOf| axis.found.iter().position(|found| found.effect.slope() == Some(of));
     if !axis.residuals.iter().any(|error| error.stage == Stage::Table) {
-        let probe = axis.found.iter_mut().find(|found| matches!(found.effect, Effect::ProbeGain(_)));
+        let probe = axis.found.iter_mut().find(|found| found.effect.slope() == Some(SlopeOf::Probe));
         if let Some(probe) = probe {
             doubt_probe(probe, has_table);
         }
         return;
     }
-    let Some(screw) = find(axis, "pitch_progressive") else { return };
+    let Some(screw) = find(axis, SlopeOf::Screw) else { return };
     let Some(of_table) = Slope::of_found(&axis.found[screw]) else { return };
-    let probe = find(axis, "probe_gain");
+    let probe = find(axis, SlopeOf::Probe);
     let Some(of_tool) = axis.tool_slopes.over_own else {
         doubt(&mut axis.found[screw]);
         return;
@@ -55,7 +56,7 @@ fn doubt(found: &mut FoundEffect) {
     if slope.exceeds(MOST * SCALE_UM_PER_M, 0.0) {
         found.half_widths[0] = slope.half_width.hypot(2.0 * SCALE_UM_PER_M);
     } else {
-        found.rivals.push(Effect::ScaleGain(ScaleGain { um_per_m: slope.um_per_m }));
+        found.rivals.push(SlopeOf::Scale.effect(slope.um_per_m));
     }
 }
 
@@ -65,17 +66,17 @@ fn doubt_probe(found: &mut FoundEffect, has_table: bool) {
     if has_table {
         doubt(found);
     } else if let Some(Slope { um_per_m, .. }) = Slope::of_found(found) {
-        found.rivals.push(Effect::PitchProgressive(PitchProgressive { slope_um_per_m: um_per_m }));
+        found.rivals.push(SlopeOf::Screw.effect(um_per_m));
     }
 }
 
 /// Gives the slope of the screw to the scale, and drops the gain of the probe that made up for it.
 fn to_scale(axis: &mut AxisTrace, screw: usize, slope: Slope) {
-    let effect = Effect::ScaleGain(ScaleGain { um_per_m: slope.um_per_m });
+    let effect = SlopeOf::Scale.effect(slope.um_per_m);
     axis.found[screw].effect = effect.clone();
     axis.found[screw].rivals.clear();
-    axis.found.retain(|found| !matches!(found.effect, Effect::ProbeGain(_)));
-    let is_replaced = |effect: &Effect| matches!(effect, Effect::PitchProgressive(_) | Effect::ProbeGain(_));
+    axis.found.retain(|found| found.effect.slope() != Some(SlopeOf::Probe));
+    let is_replaced = |effect: &Effect| matches!(effect.slope(), Some(SlopeOf::Screw | SlopeOf::Probe));
     while let Some(index) = axis.model.found().iter().position(is_replaced) {
         axis.model = axis.model.without(index);
     }

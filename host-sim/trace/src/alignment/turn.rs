@@ -7,14 +7,14 @@
 use crate::outcome::{AxisTrace, Trace};
 use crate::validation::found_effect::FoundEffect;
 use crate::validation::tool_slopes::Slope;
-use model::effects::{Effect, LEAST_SLOPE_UM_PER_M, ProbeRotation, Squareness, Stage};
+use model::effects::{Effect, LEAST_SLOPE_UM_PER_M, SlopeOf, Stage};
 
 /// Separates squareness and angle in the results of a machine with two axes.
 pub fn separate(trace: &mut Trace) {
     let min_size = trace.options.search.min_size;
     let [first, second] = &mut trace.axes[..] else { return };
-    let sum = first.found.iter().position(|found| matches!(found.effect, Effect::Squareness(_)));
-    let turn = second.found.iter().find(|found| matches!(found.effect, Effect::ProbeRotation(_)));
+    let sum = first.found.iter().position(|found| found.effect.slope() == Some(SlopeOf::Axes));
+    let turn = second.found.iter().find(|found| found.effect.slope() == Some(SlopeOf::ProbeAngle));
     let angle = turn.and_then(Slope::of_found);
     if sum.is_none() && angle.is_none() {
         return;
@@ -23,7 +23,7 @@ pub fn separate(trace: &mut Trace) {
         // Without the second axis, nothing tells the two apart.
         if let Some(index) = sum {
             let um_per_m = first.found[index].effect.values()[0];
-            first.found[index].rivals.push(Effect::ProbeRotation(ProbeRotation { um_per_m }));
+            first.found[index].rivals.push(SlopeOf::ProbeAngle.effect(um_per_m));
         }
         return;
     };
@@ -38,8 +38,7 @@ pub fn separate(trace: &mut Trace) {
     if let (true, Some(index)) = (angle.um_per_m == 0.0, sum) {
         first.found[index].half_widths = vec![squareness.half_width];
         if is_square {
-            let rival = ProbeRotation { um_per_m: total.um_per_m };
-            first.found[index].rivals.push(Effect::ProbeRotation(rival));
+            first.found[index].rivals.push(SlopeOf::ProbeAngle.effect(total.um_per_m));
         }
         return;
     }
@@ -56,7 +55,7 @@ fn template(axis: &AxisTrace, sum: Option<usize>) -> Option<FoundEffect> {
         return Some(axis.found[index].clone());
     }
     let error = axis.residual(Stage::Tool)?;
-    let effect = Effect::Squareness(Squareness::default());
+    let effect = SlopeOf::Axes.effect(0.0);
     Some(FoundEffect::new((effect, Vec::new()), error.stage, [error.after; 2]))
 }
 
@@ -70,7 +69,7 @@ fn put(
 ) {
     if let Some(index) = sum {
         axis.found.remove(index);
-        let of_model = axis.model.found().iter().position(|effect| matches!(effect, Effect::Squareness(_)));
+        let of_model = axis.model.found().iter().position(|effect| effect.slope() == Some(SlopeOf::Axes));
         if let Some(index) = of_model {
             axis.model = axis.model.without(index);
         }
@@ -82,7 +81,7 @@ fn put(
         axis.found.push(FoundEffect { effect, half_widths: vec![slope.half_width], ..template.clone() });
     };
     if let Some(slope) = squareness {
-        add(Effect::Squareness(Squareness { um_per_m: slope.um_per_m }), slope);
+        add(SlopeOf::Axes.effect(slope.um_per_m), slope);
     }
-    add(Effect::ProbeRotation(ProbeRotation { um_per_m: rotation.um_per_m }), rotation);
+    add(SlopeOf::ProbeAngle.effect(rotation.um_per_m), rotation);
 }

@@ -3,31 +3,15 @@
 //! A wave of the scale's reading looks in the table stage like a wave of the screw. The tool, which is predicted from the scale, then
 //! has the same wave with the opposite sign; with a wave of the screw it has none.
 
-use std::f64::consts::PI;
-
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
 use crate::fit::scope::Scope;
 use crate::validation::found_effect::FoundEffect;
 use model::axis::Settings;
-use model::effects::{Effect, GrowingPart, ScaleCyclic, Stage, harmonic};
+use model::effects::{Effect, Stage, harmonic};
 
 /// Share of a wave that the tool shows, up to which it is not that of the scale.
 const LEAST_SHARE: f64 = 0.15;
-
-/// The wave or growth of the scale that shows the same in the table stage.
-fn of_scale(effect: &Effect) -> Option<Effect> {
-    let (amplitude_um, period_mm, phase_rad, fitted_period_mm) = match effect {
-        Effect::ThermalGrowth(growth) if growth.part == GrowingPart::Screw => {
-            return Some(Effect::ThermalGrowth(growth.of_scale()));
-        }
-        Effect::PitchCyclic(w) => (w.amplitude_um, w.period_mm, w.phase_rad, w.fitted_period_mm),
-        Effect::ResolverDividing(w) => (w.amplitude_um, w.period_mm, w.phase_rad + PI, w.fitted_period_mm),
-        Effect::EncoderEllipticity(w) => (w.amplitude_um, w.period_mm, w.phase_rad + PI, None),
-        _ => return None,
-    };
-    Some(Effect::ScaleCyclic(ScaleCyclic { amplitude_um, period_mm, phase_rad, fitted_period_mm }))
-}
 
 /// The model with another effect in the place of a found one, by its index.
 fn with_exchanged(model: &AxisModel, found: usize, effect: Effect) -> AxisModel {
@@ -75,7 +59,7 @@ impl Sums {
 #[must_use]
 pub fn with_waves_of_scale(data: &FitData<'_>, mut model: AxisModel, tool: &Scope) -> AxisModel {
     for index in 0..model.found().len() {
-        let Some(effect) = of_scale(&model.found()[index]) else { continue };
+        let Some(effect) = model.found()[index].of_scale() else { continue };
         let exchanged = with_exchanged(&model, index, effect);
         let sums = Sums::of(data, &model, &exchanged, tool);
         let removed = -2.0 * sums.product - sums.wave;
@@ -90,7 +74,7 @@ pub fn with_waves_of_scale(data: &FitData<'_>, mut model: AxisModel, tool: &Scop
 pub fn doubt(data: &FitData<'_>, model: &AxisModel, tool: Option<&Scope>, found: &mut [FoundEffect]) {
     let [lowest_mm, highest_mm] = data.travel_mm();
     for one in found {
-        let Some(rival) = of_scale(&one.effect) else { continue };
+        let Some(rival) = one.effect.of_scale() else { continue };
         let index = model.found().iter().position(|effect| effect.is_same(&one.effect));
         let is_of_machine = match (tool, index) {
             (Some(tool), Some(index)) => {
@@ -107,10 +91,6 @@ pub fn doubt(data: &FitData<'_>, model: &AxisModel, tool: Option<&Scope>, found:
 
 /// Whether a wave has a whole number of periods per turn of the motor or per electrical period: then it is hardly the scale's.
 fn is_of_a_turn(effect: &Effect, settings: &Settings, travel_mm: f64) -> bool {
-    let period_mm = match effect {
-        Effect::ThermalGrowth(_) => return false,
-        wave => wave.values()[1],
-    };
-    let Some(lead_mm) = settings.mechanics.lead_mm else { return false };
-    harmonic::order(period_mm, lead_mm, travel_mm).is_some()
+    let (Some(wave), Some(lead_mm)) = (effect.wave(), settings.mechanics.lead_mm) else { return false };
+    harmonic::order(wave.period_mm, lead_mm, travel_mm).is_some()
 }

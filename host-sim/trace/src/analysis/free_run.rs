@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::input::signals::AxisSignals;
 use crate::prediction::initial_state::steady_motion;
-use model::effects::{Channel, Effect};
+use model::effects::{Channel, Effect, Timing};
 use model::machine::Axis;
 use numerics::resample::delayed_linear;
 use plant::mechanics::Stepper;
@@ -44,7 +44,7 @@ pub fn free_runs(name: &str, declared: &Axis, better: &Axis, logs: &[(&AxisSigna
         return Vec::new();
     }
     let is_timing =
-        |effect: &&Effect| matches!(effect, Effect::Latency(late) if late.channel == Channel::Force);
+        |effect: &&Effect| matches!(effect.timing(), Some(Timing::Reading { channel: Channel::Force, .. }));
     let mut timed = declared.clone();
     timed.effect.retain(|effect| !is_timing(&effect));
     timed.effect.extend(better.effect.iter().filter(is_timing).cloned());

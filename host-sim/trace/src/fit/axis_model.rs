@@ -279,10 +279,9 @@ impl AxisModel {
             .filter(move |_| tolerance > 0.0)
     }
 
-    /// Whether a declared effect is fitted without its tolerance: a constant load, after a friction asymmetry was found. A
-    /// load identified with symmetric friction contains the mean of the asymmetry over the motion.
+    /// Whether a declared effect is fitted without its tolerance: a found one is a part of it if it was identified without that. A
+    /// load identified with symmetric friction, for example, contains the mean of the asymmetry over the motion.
     fn is_untolerated(&self, declared: &Effect) -> bool {
-        let is_asymmetry = |found: &Effect| matches!(found, Effect::FrictionAsymmetry(_));
-        matches!(declared, Effect::ConstantLoad(_)) && self.found().iter().any(is_asymmetry)
+        self.found().iter().any(|found| found.kind().part_of_declared.contains(&declared.name()))
     }
 }

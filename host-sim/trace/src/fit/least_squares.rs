@@ -13,7 +13,7 @@ use super::axis_model::{AxisModel, FreeParameter};
 use super::fit_data::{FitData, ResidualSeries};
 use super::normal_equations::{Block, Column, Known, blocks, normal, renewed_blocks, stepped};
 use super::scope::Scope;
-use model::effects::{Effect, Stage};
+use model::effects::Stage;
 
 /// A fit ends when a step lowers the cost by less than this fraction.
 const MIN_GAIN: f64 = 1e-4;
@@ -81,11 +81,7 @@ impl Fitted {
         if !scope.holds(effect) {
             return self.columns.clone();
         }
-        let replaces_trim = matches!(
-            effect,
-            Effect::Latency(_) | Effect::VelocityLag(_) | Effect::VelocityFilter(_) | Effect::DriveLag(_)
-        );
-        if replaces_trim {
+        if effect.timing().is_some() {
             return Vec::new();
         }
         let indices = model.indices_of(scope, index);
@@ -111,8 +107,8 @@ pub fn fit(data: &FitData<'_>, start: &AxisModel, scope: &Scope, steps: usize) -
 ///
 /// Each derivative requires a simulation. The derivatives with respect to the declared values hardly change during a fit and
 /// are computed again only after a step that gains less than predicted. The derivatives with respect to the last effect,
-/// whose parameters are less well known, are computed in each step. The model is linear in the values of a map: their derivatives
-/// are computed once.
+/// whose parameters are less well known, are computed in each step. Those with respect to the parameters of a linear effect, such as a
+/// map, are computed once.
 #[must_use]
 pub fn fit_from(
     data: &FitData<'_>,
@@ -142,12 +138,10 @@ pub fn fit_from(
     Fitted { parameters: model.free_parameters(scope), model, blocks, weights, residuals, columns }
 }
 
-/// Whether a free parameter, by its index, is a value of a map.
-fn is_of_map(model: &AxisModel, scope: &Scope, parameter: usize) -> bool {
+/// Whether the predictions are linear in a free parameter, by its index.
+fn is_linear(model: &AxisModel, scope: &Scope, parameter: usize) -> bool {
     model.found().iter().enumerate().any(|(index, effect)| {
-        matches!(effect, Effect::PitchMap(_) | Effect::FrictionMap(_))
-            && scope.holds(effect)
-            && model.indices_of(scope, index).contains(&parameter)
+        effect.kind().is_linear && scope.holds(effect) && model.indices_of(scope, index).contains(&parameter)
     })
 }
 
@@ -158,7 +152,7 @@ struct Point {
     weights: Vec<f64>,
     damping: f64,
     columns: Vec<Column>,
-    /// Indices of the parameters whose columns change from point to point: all but the values of maps.
+    /// Indices of the parameters whose columns change from point to point: all but those in which the predictions are linear.
     nonlinear: Vec<usize>,
     /// Whether some of these columns were computed at another point.
     has_old_columns: bool,
@@ -182,7 +176,7 @@ impl Point {
         columns.extend(derivatives(data, &model, scope, &new, &residuals));
         let blocks = blocks(data, &columns, &residuals, &weights);
         let nonlinear: Vec<usize> =
-            (0..count).filter(|&parameter| !is_of_map(&model, scope, parameter)).collect();
+            (0..count).filter(|&parameter| !is_linear(&model, scope, parameter)).collect();
         let has_old_columns = nonlinear.iter().any(|&parameter| parameter < known.len());
         Self { model, residuals, weights, damping: 1e-3, columns, nonlinear, has_old_columns, blocks }
     }

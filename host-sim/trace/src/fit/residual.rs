@@ -109,7 +109,7 @@ impl FitData<'_> {
         let table_m = driven.table_m.iter().enumerate();
         let read_m: Vec<f64> = table_m.map(|(i, m)| m + parameters.scale.error_m(*m, time_s(i))).collect();
         let mut residual = difference(measured, &read_m, 1e6, model.table_zero_um);
-        force_windup::add_stretch(&mut residual, parameters.forced_windup.as_ref(), signals);
+        force_windup::add_stretch(&mut residual, parameters, signals);
         if self.logs[log].has_own_zero && !model.axis.settings.has_mass() {
             self.subtract_mean(log, &mut residual);
         }

@@ -9,7 +9,7 @@ use shared::config::Rates;
 
 use crate::options::ModelOptions;
 use model::axis::Law;
-use model::effects::{Channel, Coordinate, Effect, Latency, Stage};
+use model::effects::{Channel, Coordinate, Effect, Stage, Timing};
 use model::machine::Axis;
 use model::machine::nominal::LogOffsets;
 use plant::parameters::AxisParameters;
@@ -83,15 +83,15 @@ impl Instant {
 
     /// Whether an effect describes the same timing.
     fn is_replaced_by(self, effect: &Effect) -> bool {
-        match effect {
-            Effect::Latency(late) => match late.channel {
+        match effect.timing() {
+            Some(Timing::Reading { channel, .. }) => match channel {
                 Channel::Table => self == Self::Table,
                 Channel::Tool => self == Self::Tool,
                 Channel::Force => self == Self::Force,
                 Channel::Command => false,
             },
-            Effect::VelocityLag(_) | Effect::VelocityFilter(_) => self == Self::Speed,
-            _ => false,
+            Some(Timing::VelocityAge) => self == Self::Speed,
+            Some(Timing::DriveLag) | None => false,
         }
     }
 }
@@ -140,7 +140,8 @@ impl Trims {
             let [lower, upper] = instant.bounds_s(rates, options).map(|s| 1e3 * s);
             let bound = upper.max(-lower);
             // The effect is the lag itself; that the force acts early is not part of it.
-            let is_lag = |effect: &Effect| instant == Instant::Drive && matches!(effect, Effect::DriveLag(_));
+            let is_lag =
+                |effect: &Effect| instant == Instant::Drive && effect.timing() == Some(Timing::DriveLag);
             let upper = if axis.effect.iter().any(is_lag) { 0.0 } else { upper };
             let step = 0.02 * bound;
             let coordinate = if axis.effect.iter().any(|effect| instant.is_replaced_by(effect)) {
@@ -171,7 +172,7 @@ impl Trims {
         ];
         for (instant, channel) in channels {
             if open(instant) {
-                parameters.latency.push(Latency { channel, ms: 1e3 * self.late_s[instant as usize] });
+                parameters.add_latency(channel, self.late_s[instant as usize]);
             }
         }
         if open(Instant::Speed) {

@@ -5,7 +5,7 @@
 //! that ends at the sample: the force that acts after a sample is in the next row.
 
 use super::smoothing::Smooth;
-use model::effects::{Channel, Effect};
+use model::effects::{Channel, Effect, Timing};
 
 /// The added force of one axis of one log, N (rotary axes: N·m).
 #[derive(Clone, Debug)]
@@ -30,8 +30,8 @@ impl AddedForce {
     /// applies to it as well, rounded to whole samples.
     #[must_use]
     pub fn from_sample_n(&self, effects: &[Effect], sample_s: f64) -> Vec<f64> {
-        let late_ms = effects.iter().map(|effect| match effect {
-            Effect::Latency(late) if late.channel == Channel::Force => late.ms,
+        let late_ms = effects.iter().map(|effect| match effect.timing() {
+            Some(Timing::Reading { channel: Channel::Force, late_ms }) => late_ms,
             _ => 0.0,
         });
         let late = (1e-3 * late_ms.sum::<f64>() / sample_s).round();

@@ -269,7 +269,8 @@ mod tests {
         );
         // Deviation of the tool from the response of the mode to a table, nm rms, after the start.
         let deviation_nm = |table_m: &[f64]| {
-            let response = resonant_response(&Smooth::new(table_m.to_vec(), 1e-3, 2), &resonance, 1e-3);
+            let mode = model::effects::EffectModel::mode(&resonance).unwrap();
+            let response = resonant_response(&Smooth::new(table_m.to_vec(), 1e-3, 2), mode, 1e-3);
             let tool = table_m.iter().zip(&run.oscillation_m).map(|(table, offset)| table + offset);
             1e9 * numerics::rms(tool.zip(response).skip(500).map(|(tool, response)| tool - response))
         };

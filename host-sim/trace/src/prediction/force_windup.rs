@@ -1,20 +1,18 @@
 //! Wind-up of an axis without declared masses, computed from the measured force.
 
 use crate::input::signals::AxisSignals;
-use model::effects::{Effect, ForceWindup};
-
-/// Whether the logs have the channels for an effect: wind-up by the measured force requires the force in every log.
-#[must_use]
-pub fn is_testable(effect: &Effect, force_is_logged: bool) -> bool {
-    !matches!(effect, Effect::ForceWindup(_)) || force_is_logged
-}
+use plant::parameters::AxisParameters;
 
 /// Adds the stretch of the drive train (µm) to the residual table − motor.
 ///
-/// The stretch is [`ForceWindup::deflection_um`]: (force − friction·direction)/stiffness. The direction follows the sign of
+/// The stretch is that of `forced_windup`: (force − friction·direction)/stiffness. The direction follows the sign of
 /// motion exponentially over the presliding distance (Dahl, 1968) and is constant during a standstill.
-pub fn add_stretch(residual_um: &mut [f64], windup: Option<&ForceWindup>, signals: &AxisSignals) {
-    let (Some(windup), Some(force), Some(motor)) = (windup, &signals.force, &signals.motor) else { return };
+pub fn add_stretch(residual_um: &mut [f64], parameters: &AxisParameters, signals: &AxisSignals) {
+    let (Some(windup), Some(force), Some(motor)) =
+        (&parameters.forced_windup, &signals.force, &signals.motor)
+    else {
+        return;
+    };
     let presliding_m = 1e-3 * windup.presliding_mm.unwrap_or(0.0).max(1e-9);
     let mut direction = 0.0;
     let mut last = motor.value.first().copied().unwrap_or(0.0);

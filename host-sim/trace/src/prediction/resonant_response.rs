@@ -3,7 +3,7 @@
 use nalgebra::Matrix4;
 
 use crate::input::smoothing::Smooth;
-use model::effects::Resonance;
+use model::effects::Mode;
 
 /// Steps from one sample to the next. At 120 Hz and 1 kHz, the error of linear interpolation is 0.4 % of the change over a
 /// step.
@@ -14,12 +14,12 @@ const STEPS: usize = 4;
 /// Between samples the signal is the cubic through positions and velocities. Within a step (1/[`STEPS`] of a sample) it is
 /// interpolated linearly, for which the matrix exponential is exact.
 #[must_use]
-pub fn resonant_response(signal: &Smooth, resonance: &Resonance, sample_s: f64) -> Vec<f64> {
-    let omega = std::f64::consts::TAU * resonance.frequency_hz;
+pub fn resonant_response(signal: &Smooth, mode: Mode, sample_s: f64) -> Vec<f64> {
+    let omega = std::f64::consts::TAU * mode.frequency_hz;
     let step_s = sample_s / STEPS as f64;
     let mut rates = Matrix4::zeros();
     (rates[(0, 1)], rates[(2, 3)]) = (1.0, 1.0);
-    (rates[(1, 0)], rates[(1, 1)]) = (-omega * omega, -2.0 * resonance.damping_ratio * omega);
+    (rates[(1, 0)], rates[(1, 1)]) = (-omega * omega, -2.0 * mode.damping_ratio * omega);
     rates[(1, 2)] = omega * omega;
     let whole = (rates * step_s).exp();
     let end = |row: usize, state: [f64; 2], from: f64, slope: f64| {
@@ -54,8 +54,8 @@ mod tests {
         let position = |i: u32| (omega * 1e-3 * f64::from(i)).sin();
         let signal = Smooth::new((0..3000).map(position).collect(), sample_s, 2);
         let (omega_0, zeta) = (std::f64::consts::TAU * 75.0, 0.06);
-        let resonance = Resonance::of_tool(75.0, zeta);
-        let tool = resonant_response(&signal, &resonance, sample_s);
+        let mode = Mode { frequency_hz: 75.0, damping_ratio: zeta, participation: 1.0 };
+        let tool = resonant_response(&signal, mode, sample_s);
         // H = 1/(1 − r² + 2jζr), r = ω/ω0.
         let r = omega / omega_0;
         let (real, imaginary) = (1.0 - r * r, 2.0 * zeta * r);

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use crate::input::motor_path::{MotorPath, Point};
 use crate::input::smoothing::Smooth;
 use crate::input::table_motions::TableMotion;
-use model::effects::{DriveAsymmetry, MotorStribeck};
 use model::servo::ServoParameters;
 use plant::driven::{DrivenStep, DrivenTable, ScrewMotion};
 use plant::parameters::{AxisParameters, ToolParameters};
@@ -34,9 +33,9 @@ fn of_table(parameters: &AxisParameters) -> AxisParameters {
     AxisParameters {
         motor_mass_kg: 0.0,
         motor_coulomb_n: 0.0,
-        motor_stribeck: MotorStribeck::default(),
+        motor_stribeck: Default::default(),
         forced_windup: None,
-        drive_asymmetry: DriveAsymmetry::default(),
+        drive_asymmetry: Default::default(),
         ripple: Vec::new(),
         tool: ToolParameters::default(),
         servo: ServoParameters::default(),

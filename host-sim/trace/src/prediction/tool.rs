@@ -22,10 +22,10 @@ pub fn tool(
     let own = tables.get(axis).copied().flatten()?;
     let is_scale = signals.axes[axis].table.is_some();
     let mut tool_m = own.value.clone();
-    for resonance in &parameters.tool.resonances {
-        let response = resonant_response(own, resonance, signals.sample_s);
+    for mode in parameters.tool.modes() {
+        let response = resonant_response(own, mode, signals.sample_s);
         let offsets = response.iter().zip(&own.value).map(|(response, table)| response - table);
-        tool_m.iter_mut().zip(offsets).for_each(|(tool, offset)| *tool += resonance.participation * offset);
+        tool_m.iter_mut().zip(offsets).for_each(|(tool, offset)| *tool += mode.participation * offset);
     }
     let mut positions = vec![0.0; names.len()];
     let mut accelerations = vec![0.0; names.len()];

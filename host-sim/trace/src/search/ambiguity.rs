@@ -6,7 +6,6 @@
 use super::candidates::Candidate;
 use super::distinguishing_motion::Proposal;
 use super::held_out::{Comparison, compare, scores};
-use super::slope_of_map::is_slope_of_map;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
 use crate::fit::scope::Scope;
@@ -36,15 +35,7 @@ pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope:
     let gain_over = gain_of(added, scope, options);
     let is_rival = |other: &&Candidate| {
         let gains_enough = other.exceeds_tolerance && other.gain >= options.min_rival_gain * added.gain;
-        // A map is tried together with its slope, which explains as much alone.
-        let contains_added = is_slope_of_map(&added.effect, std::slice::from_ref(&other.effect));
-        // A drift with a long time constant contains its rate, a growth with a short one the slope.
-        let contains_added = contains_added
-            || matches!(
-                (&added.effect, &other.effect),
-                (Effect::ThermalRate(_), Effect::ThermalDrift(_))
-                    | (Effect::PitchProgressive(_), Effect::ThermalGrowth(_))
-            );
+        let contains_added = other.effect.kind().contains.contains(&added.effect.name());
         !std::ptr::eq(*other, added)
             && !contains_added
             && (other.passes_significance(options) || gains_enough)

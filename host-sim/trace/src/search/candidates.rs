@@ -5,10 +5,9 @@ use std::mem::{Discriminant, discriminant};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
+use super::companion::{with_companion, with_variation};
 use super::held_out::{Comparison, Score, compare, scores};
-use super::second_mode::{at_best_frequency, with_free_modes};
-use super::slope_of_map::with_slope_of_map;
-use super::varying_gap::with_map_of_gap;
+use super::several_of_kind::{at_best_start, with_free_coordinates};
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
 use crate::fit::least_squares::{self, Fitted, derivatives};
@@ -178,8 +177,8 @@ fn keep_best_guess(sorted: &mut Vec<Candidate>) {
     });
 }
 
-/// Fits a candidate with all other parameters free, and compares it on held-out data. A backlash that is not supported is
-/// tried again with a map of its variation, which then is the candidate.
+/// Fits a candidate with all other parameters free, and compares it on held-out data. An effect that is not supported is
+/// tried again with its variation over the position, if it has one, which then is the candidate.
 fn try_out(
     data: &FitData<'_>,
     origin: &Fitted,
@@ -196,13 +195,13 @@ fn try_out(
             least_squares::fit_from(data, start, scope, STEPS, columns),
         )
     };
-    let start = with_slope_of_map(&origin.model, candidate.effect.clone());
-    let (start, columns) = with_free_modes(start, scope, &origin.columns);
+    let start = with_companion(&origin.model, candidate.effect.clone());
+    let (start, columns) = with_free_coordinates(start, scope, &origin.columns);
     *candidate = fit(&start, columns).unwrap_or_else(|| candidate.clone());
     let gains = candidate.gain >= data.options.search.min_gain();
-    let better_mode =
-        candidate.fitted.as_ref().filter(|_| gains).and_then(|fitted| at_best_frequency(data, fitted, scope));
-    if let Some(refitted) = better_mode.and_then(|start| fit(&start, &[])) {
+    let better_start =
+        candidate.fitted.as_ref().filter(|_| gains).and_then(|fitted| at_best_start(data, fitted, scope));
+    if let Some(refitted) = better_start.and_then(|start| fit(&start, &[])) {
         *candidate = refitted;
     }
     let options = &data.options.search;
@@ -212,7 +211,7 @@ fn try_out(
     let varying = candidate
         .fitted
         .as_ref()
-        .and_then(|fitted| fit(&with_map_of_gap(data, fitted, &candidate.effect)?, &fitted.columns));
+        .and_then(|fitted| fit(&with_variation(data, fitted, &candidate.effect)?, &fitted.columns));
     if let Some(varying) = varying.filter(|varying| varying.is_supported(options)) {
         *candidate = varying;
     }

@@ -3,17 +3,16 @@
 
 use super::alternatives::with_better_alternatives;
 use super::ambiguity::{is_special_form, prefer_fewer_parameters, rivals};
-use super::bump_of_map::bump_in_place_of_map;
+use super::bump_of_shape::bump_in_place_of_shape;
 use super::candidates::{Candidate, Reference, rank};
+use super::companion::{is_companion, is_remainder};
 use super::held_out::{compare, scores};
 use super::loop_check::LoopCheck;
-use super::map_refinement::with_finer_map;
-use super::map_remainder::is_remainder_of_map;
 use super::mass_check::takes_place_of_mass;
 use super::missing_effects::missing_effects;
 use super::provisional::{self, is_gross};
+use super::refinement::refined;
 use super::round::Round;
-use super::slope_of_map::is_slope_of_map;
 use crate::analysis::residual_analysis::unexplained;
 use crate::analysis::variable::Variable;
 use crate::fit::axis_model::AxisModel;
@@ -100,7 +99,7 @@ impl EffectSearch<'_> {
             }
             let is_full = exclusions.len() >= self.data.options.exclusion.max_count;
             if new.is_empty() && !is_full {
-                new.extend(bump_in_place_of_map(&data, &fitted, scope));
+                new.extend(bump_in_place_of_shape(&data, &fitted, scope));
             }
             if new.is_empty() || is_full {
                 if !exclusions.is_empty() {
@@ -186,7 +185,7 @@ impl EffectSearch<'_> {
         Some(fitted)
     }
 
-    /// The fit with a finer map, and without effects that are unnecessary or uncertain.
+    /// The fit with finer resolutions, and without effects that are unnecessary or uncertain.
     fn drop_from(&mut self, data: &FitData<'_>, mut base: Fitted, scope: &Scope) -> Fitted {
         let count = base.model.found().iter().filter(|effect| scope.holds(effect)).count();
         if count == 0 {
@@ -194,7 +193,7 @@ impl EffectSearch<'_> {
         }
         // The derivatives of the search are in part those of earlier points.
         base = least_squares::fit(data, &base.model, scope, least_squares::STEPS);
-        base = with_finer_map(data, base, scope);
+        base = refined(data, base, scope);
         base = with_better_alternatives(data, base, &mut self.rounds, scope);
         if count > 1 {
             base = self.drop_unnecessary(data, base, scope);
@@ -284,14 +283,14 @@ impl EffectSearch<'_> {
     }
 
     /// Drops effects whose size or shape is too uncertain, see [`may_be_zero`], [`has_unknown_shape`] and
-    /// [`is_remainder_of_map`].
+    /// [`is_remainder`].
     fn drop_uncertain(&self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
         dropping(full, scope, |full, index| {
             let effect = &full.model.found()[index];
             let half = half_widths(effect, &covariance(data, full), full.model.indices_of(scope, index));
             let is_uncertain = may_be_zero(effect, &half, &data.options.search)
                 || has_unknown_shape(effect, &half)
-                || is_remainder_of_map(effect, full.model.found());
+                || is_remainder(effect, full.model.found());
             is_uncertain.then(|| {
                 (self.progress)(&format!("{}: {} is too uncertain", data.name(), effect.name()));
                 least_squares::fit_without(data, full, scope, index)
@@ -304,7 +303,7 @@ impl EffectSearch<'_> {
         let options = &data.options.search;
         dropping(full, scope, |full, index| {
             let effect = full.model.found()[index].clone();
-            if is_slope_of_map(&effect, full.model.found()) {
+            if is_companion(&effect, full.model.found()) {
                 return None;
             }
             let without = least_squares::fit_without(data, full, scope, index);
@@ -390,16 +389,16 @@ fn origin(data: &FitData<'_>, base: &Fitted, scope: &Scope, added: usize) -> Fit
     least_squares::fit(data, &base.model.at_nominal(), scope, 0)
 }
 
-/// The parts of the remaining residuals that are to be excluded. A map describes any position: what it leaves is not a defect
-/// that no effect describes.
+/// The parts of the remaining residuals that are to be excluded. An effect of any shape describes any position: what it leaves is not a
+/// defect that no effect describes.
 fn new_exclusions(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> Vec<Exclusion> {
-    let has_map = fitted.model.found().iter().any(|effect| matches!(effect, Effect::PitchMap(_)));
-    let is_of_map = |exclusion: &Exclusion| {
-        has_map && exclusion.stage == Stage::Table && !matches!(exclusion.part, ExcludedPart::Sine { .. })
+    let is_described = |exclusion: &Exclusion| {
+        let is_of_stage = |effect: &Effect| effect.describes_any_shape_of() == Some(exclusion.stage);
+        fitted.model.found().iter().any(is_of_stage) && !matches!(exclusion.part, ExcludedPart::Sine { .. })
     };
     let of_stage = |&stage: &Stage| {
         let noise = data.noise(&fitted.model, stage);
         unexplained(data, &fitted.residuals, stage, noise)?.exclusion(data, &fitted.residuals, noise)
     };
-    scope.stages.iter().filter_map(of_stage).filter(|exclusion| !is_of_map(exclusion)).collect()
+    scope.stages.iter().filter_map(of_stage).filter(|exclusion| !is_described(exclusion)).collect()
 }

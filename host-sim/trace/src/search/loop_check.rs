@@ -5,9 +5,9 @@ use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::{FitData, ResidualSeries};
 use crate::fit::least_squares;
 use crate::fit::scope::Scope;
-use model::effects::{Effect, Stage, VelocityLag};
+use model::effects::{Effect, KINDS, Stage};
 
-/// Largest number of steps of the fit of the velocity lag.
+/// Largest number of steps of the fit of what hides the friction.
 const STEPS: usize = 3;
 
 /// The check of candidates of one scope.
@@ -60,14 +60,16 @@ impl LoopCheck<'_> {
         Some(loss / logs.max(1) as f64)
     }
 
-    /// The residuals of the motor stage. If the scope is the force stage alone, the velocity lag is fitted first, although it
-    /// is searched for later: it would hide the influence of friction on the loop.
+    /// The residuals of the motor stage. If the scope is the force stage alone, effects that hide the influence of friction on the
+    /// loop are fitted first, although they are searched for later.
     fn motor_residuals(&self, model: &AxisModel, servo: &Scope) -> Vec<ResidualSeries> {
-        let has_lag = model.axis.effect.iter().any(|effect| matches!(effect, Effect::VelocityLag(_)));
-        if self.scope.stages != [Stage::Force] || has_lag {
+        let has = |effect: &Effect| model.axis.effect.iter().any(|other| other.is_same(effect));
+        let hiding = KINDS.iter().filter_map(|kind| (kind.hides_friction)());
+        let missing: Vec<Effect> = hiding.filter(|effect| !has(effect)).collect();
+        if self.scope.stages != [Stage::Force] || missing.is_empty() {
             return self.data.residuals(model, servo);
         }
-        let mut model = model.with(Effect::VelocityLag(VelocityLag::default()));
+        let mut model = missing.into_iter().fold(model.clone(), |model, effect| model.with(effect));
         model.pin_mass(self.scope, 0.0);
         self.data.residuals(&least_squares::fit(self.data, &model, servo, STEPS).model, servo)
     }

@@ -1,11 +1,10 @@
 //! The effects with which a round of the search starts.
 
-use super::map_remainder::is_wave_of_own_period;
+use super::companion::has_any_shape;
 use super::residual_shape::shape;
 use crate::fit::fit_data::FitData;
 use crate::fit::least_squares::Fitted;
 use crate::fit::scope::Scope;
-use crate::prediction::force_windup;
 use model::effects::{Effect, EffectContext, Stage, initial_guesses};
 
 /// All initial guesses of the effects that the model does not yet contain.
@@ -14,26 +13,27 @@ pub fn missing_effects(data: &FitData<'_>, base: &Fitted, scope: &Scope) -> Vec<
     let model = &base.model;
     let others: Vec<String> = data.names.iter().filter(|name| *name != data.name()).cloned().collect();
     let residual = shape(data, &base.residuals, model.axis.settings.mechanics.lead_mm);
+    let names: Vec<&'static str> = model.axis.effect.iter().map(Effect::name).collect();
     let context = EffectContext {
         axis: &model.axis.settings,
         first: data.axis == 0,
         others: &others,
         stages: &scope.stages,
         travel_mm: data.travel_mm(),
-        has_backlash: model.axis.effect.iter().any(|effect| matches!(effect, Effect::Backlash(_))),
-        modes: model.axis.effect.iter().filter(|effect| matches!(effect, Effect::Resonance(_))).count(),
+        effects: &names,
         residual: &residual,
     };
     let mut guesses = initial_guesses(&context);
     let force_is_logged = data.logs.iter().all(|log| log.axes[data.axis].force.is_some());
-    guesses.retain(|effect| force_windup::is_testable(effect, force_is_logged));
+    guesses.retain(|effect| force_is_logged || !effect.kind().needs_force);
     guesses.retain(|effect| !model.found().iter().any(|found| found.is_same(effect)));
-    // A map would describe what the bump of a local defect leaves.
-    let has_bump = data.exclusions.iter().any(|exclusion| exclusion.bump(Stage::Table).is_some());
-    guesses.retain(|effect| !(has_bump && matches!(effect, Effect::PitchMap(_))));
-    if model.found().iter().any(|effect| matches!(effect, Effect::PitchMap(_))) {
+    // An effect of any shape would describe what the bump of a local defect leaves.
+    let has_bump = |stage: Stage| data.exclusions.iter().any(|exclusion| exclusion.bump(stage).is_some());
+    guesses.retain(|effect| !effect.describes_any_shape_of().is_some_and(has_bump));
+    if has_any_shape(model.found()) {
         // Between its knots a map deviates from the screw, in waves of a few knots.
-        guesses.retain(|effect| !is_wave_of_own_period(effect, model.axis.settings.mechanics.lead_mm));
+        let lead_mm = model.axis.settings.mechanics.lead_mm;
+        guesses.retain(|effect| !effect.wave().is_some_and(|wave| wave.has_own_period(lead_mm)));
     }
     guesses
 }

@@ -10,9 +10,8 @@ use crate::fit::least_squares;
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::Scope;
 use crate::fit::scope_fit::{Progress, ScopeFit, fitted_in_order};
-use crate::search::map_remainder::is_remainder_of_map;
+use crate::search::companion::{is_companion, is_remainder};
 use crate::search::round::{Round, refused_at_limit};
-use crate::search::slope_of_map::is_slope_of_map;
 use model::effects::{Effect, Stage};
 
 /// Largest number of steps of a fit of the other parameters, after an effect was added with its final parameters.
@@ -58,7 +57,7 @@ pub fn confirm(
             let half_widths = axis.half_widths(fit_data, index);
             may_be_zero(effect, &half_widths, options)
                 || has_unknown_shape(effect, &half_widths)
-                || is_remainder_of_map(effect, axis.model.found())
+                || is_remainder(effect, axis.model.found())
                 || !effect.exceeds_tolerance(nominal, fit_data.rates)
         };
         if let Some(index) = (0..axis.model.found().len()).find(is_not_shown) {
@@ -152,7 +151,7 @@ fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -
             let held_out = [&last, &next].map(|model| validate.residuals(model, scope));
             // A slope is tested with its map.
             let loss = refuting_loss(validate, [&held_out[0], &held_out[1]])
-                .filter(|_| !is_slope_of_map(effect, axis.model.found()));
+                .filter(|_| !is_companion(effect, axis.model.found()));
             let residuals = Residuals { fit_data, validate, fitted, held_out };
             // The stage with the largest improvement; for a refuted effect, the stage with the largest deterioration.
             let sign = if loss.is_some() { -1.0 } else { 1.0 };

@@ -6,7 +6,7 @@ use crate::fit::least_squares;
 use crate::fit::scope_fit::ScopeFit;
 use crate::validation::fitted_axis::FittedAxis;
 use crate::validation::found_effect::FoundEffect;
-use model::effects::{Effect, ProbeGain, ProbeRotation, Squareness, Stage};
+use model::effects::{Effect, SlopeOf, Stage};
 
 /// A slope with the half width of its 95 % confidence interval, µm per m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,13 +51,10 @@ impl ToolSlopes {
     /// The slopes that the fit logs show beside the effects found.
     #[must_use]
     pub fn of(data: &FitData<'_>, axis: &FittedAxis) -> Self {
-        let of_other = if data.axis == 0 {
-            Effect::Squareness(Squareness::default())
-        } else {
-            Effect::ProbeRotation(ProbeRotation::default())
-        };
-        let over_other = if data.names.len() == 2 { slope(data, axis, &of_other) } else { None };
-        Self { over_other, over_own: slope(data, axis, &Effect::ProbeGain(ProbeGain::default())) }
+        let of_other = if data.axis == 0 { SlopeOf::Axes } else { SlopeOf::ProbeAngle };
+        let slope = |of: SlopeOf| slope(data, axis, &of.effect(0.0));
+        let over_other = if data.names.len() == 2 { slope(of_other) } else { None };
+        Self { over_other, over_own: slope(SlopeOf::Probe) }
     }
 }
 

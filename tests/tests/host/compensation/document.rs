@@ -1,10 +1,9 @@
-//! The table of `docs/compensation.md` is that of `compensate::effect_compensation`. `BLESS=1` writes it again.
+//! The table of `docs/compensation.md` is that of `EffectModel::compensation`. `BLESS=1` writes it again.
 
 use std::fs;
 use std::path::Path;
 
-use compensate::effect_compensation::{self, EffectCompensation};
-use model::effects::{KINDS, Kind};
+use model::effects::{EffectCompensation, KINDS, Kind};
 
 use super::listed::example;
 
@@ -15,8 +14,8 @@ fn row(kind: &Kind) -> String {
     let name = kind
         .distinguishing_key
         .map_or_else(|| format!("`{}`", kind.name), |key| format!("`{}` with `{key}`", kind.name));
-    match effect_compensation::of(&example(kind)) {
-        EffectCompensation::Compensated(does) => format!("| {name} | {does} | |\n"),
+    match example(kind).compensation() {
+        EffectCompensation::Compensated { does, .. } => format!("| {name} | {does} | |\n"),
         EffectCompensation::Not { why, instead } => {
             format!("| {name} | not compensated: {why} | {instead} |\n")
         }
@@ -37,6 +36,6 @@ fn the_table_of_the_document_matches_the_catalogue() {
     }
     assert!(
         text == expected,
-        "docs/compensation.md does not match effect_compensation.rs; BLESS=1 writes it again"
+        "docs/compensation.md does not match what the effects declare; BLESS=1 writes it again"
     );
 }

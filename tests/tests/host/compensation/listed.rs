@@ -2,8 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use compensate::effect_compensation::{self, EffectCompensation};
-use model::effects::{Effect, KINDS, Kind};
+use model::effects::{Effect, EffectCompensation, KINDS, Kind};
 
 use super::TESTED;
 use super::runs::{PLAIN, machine, plan, usual, with};
@@ -28,8 +27,7 @@ pub fn example(kind: &Kind) -> Effect {
 
 #[test]
 fn each_compensated_effect_of_the_catalogue_is_tested() {
-    let is_compensated =
-        |kind: &&Kind| matches!(effect_compensation::of(&example(kind)), EffectCompensation::Compensated(_));
+    let is_compensated = |kind: &&Kind| example(kind).compensation().is_compensated();
     let compensated: BTreeSet<&str> = KINDS.iter().filter(is_compensated).map(|kind| kind.name).collect();
     assert_eq!(TESTED.iter().copied().collect::<BTreeSet<_>>(), compensated);
 }
@@ -58,7 +56,7 @@ fn what_is_not_compensated_is_listed_with_its_reason() {
     let machine = machine(&text);
     let plan = plan(&machine, &usual());
     for effect in &machine.axis["x"].effect {
-        let EffectCompensation::Not { why, instead } = effect_compensation::of(effect) else {
+        let EffectCompensation::Not { why, instead } = effect.compensation() else {
             panic!("{}", effect.name())
         };
         let listed = plan.not_compensated.iter().find(|not| not.effect == effect.name() && not.axis == "x");
@@ -68,8 +66,7 @@ fn what_is_not_compensated_is_listed_with_its_reason() {
     }
     // Every kind that is not compensated is one of these, or cannot be simulated: the wind-up under the measured force, which is
     // for machines without masses, and delays within the machine's own controller.
-    let not =
-        |kind: &&Kind| matches!(effect_compensation::of(&example(kind)), EffectCompensation::Not { .. });
+    let not = |kind: &&Kind| !example(kind).compensation().is_compensated();
     let kinds: BTreeSet<&str> = KINDS.iter().filter(not).map(|kind| kind.name).collect();
     let tested =
         machine.axis["x"].effect.iter().map(Effect::name).chain(["windup", "loop_delay", "position_delay"]);

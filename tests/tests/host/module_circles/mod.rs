@@ -4,7 +4,7 @@
 //! re-exports its children does not use them; a name that it re-exports leads to the child that defines it.
 
 mod crate_source;
-mod paths;
+pub mod paths;
 
 use std::path::Path;
 

@@ -17,6 +17,10 @@ macro_rules! catalogue {
             summary: $variant::SUMMARY,
             distinguishing_key: $variant::DISTINGUISHING_KEY,
             special_form_of: $variant::SPECIAL_FORM_OF,
+            is_linear: $variant::IS_LINEAR,
+            needs_force: $variant::NEEDS_FORCE,
+            contains: $variant::CONTAINS,
+            part_of_declared: $variant::PART_OF_DECLARED,
             parameters: $variant::PARAMETERS,
             named_keys: $variant::NAMED_KEYS,
             occurrence: $variant::OCCURRENCE,
@@ -24,6 +28,7 @@ macro_rules! catalogue {
             draw_number: $variant::DRAW_NUMBER,
             prerequisite: $variant::prerequisite,
             draw: |draw| $variant::draw(draw).map(Effect::$variant),
+            hides_friction: || $variant::hides_friction().map(Effect::$variant),
             assumed: || $variant::assumed().into_iter().map(Effect::$variant).collect(),
             in_place_of: |found| {
                 let Substitute { effect, beside } = $variant::in_place_of(found)?;
@@ -32,6 +37,14 @@ macro_rules! catalogue {
         }),+];
 
         impl Effect {
+            /// An effect that another kind declares; `None` if its kind is not in the catalogue.
+            fn of_any(any: &AnyEffect) -> Option<Self> {
+                $(if let Some(effect) = any.get::<$variant>() {
+                    return Some(Self::$variant(effect.clone()));
+                })+
+                None
+            }
+
             /// Name in files and results.
             #[must_use]
             pub fn name(&self) -> &'static str {
@@ -104,6 +117,108 @@ macro_rules! catalogue {
             #[must_use]
             pub fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
                 match self { $(Self::$variant(e) => e.imitations(context),)+ }
+            }
+
+            /// See [`EffectModel::added_with`].
+            #[must_use]
+            pub fn added_with(&self) -> Option<Self> {
+                match self { $(Self::$variant(e) => e.added_with().and_then(|any| Self::of_any(&any)),)+ }
+            }
+
+            /// See [`EffectModel::variation`].
+            #[must_use]
+            pub fn variation(&self, residual: &ResidualShape, travel_mm: [f64; 2]) -> Option<Self> {
+                match self { $(Self::$variant(e) => e.variation(residual, travel_mm).and_then(|any| Self::of_any(&any)),)+ }
+            }
+
+            /// See [`EffectModel::refined`].
+            #[must_use]
+            pub fn refined(&self, residual: &ResidualShape) -> Option<Self> {
+                match self { $(Self::$variant(e) => e.refined(residual).map(Self::$variant),)+ }
+            }
+
+            /// See [`EffectModel::among_several`].
+            #[must_use]
+            pub fn among_several(&self) -> Option<Self> {
+                match self { $(Self::$variant(e) => e.among_several().map(Self::$variant),)+ }
+            }
+
+            /// See [`EffectModel::other_starts`].
+            #[must_use]
+            pub fn other_starts(&self) -> Vec<Self> {
+                match self { $(Self::$variant(e) => e.other_starts().into_iter().map(Self::$variant).collect(),)+ }
+            }
+
+            /// See [`EffectModel::prior`].
+            #[must_use]
+            pub fn prior(&self, declared: &Settings) -> Option<[f64; 2]> {
+                match self { $(Self::$variant(e) => e.prior(declared),)+ }
+            }
+
+            /// See [`EffectModel::describes_any_shape_of`].
+            #[must_use]
+            pub fn describes_any_shape_of(&self) -> Option<Stage> {
+                match self { $(Self::$variant(e) => e.describes_any_shape_of(),)+ }
+            }
+
+            /// See [`EffectModel::depends_on_direction`].
+            #[must_use]
+            pub fn depends_on_direction(&self) -> bool {
+                match self { $(Self::$variant(e) => e.depends_on_direction(),)+ }
+            }
+
+            /// See [`EffectModel::wave`].
+            #[must_use]
+            pub fn wave(&self) -> Option<PositionWave> {
+                match self { $(Self::$variant(e) => e.wave(),)+ }
+            }
+
+            /// See [`EffectModel::leaves`].
+            #[must_use]
+            pub fn leaves(&self, wave: PositionWave) -> bool {
+                match self { $(Self::$variant(e) => e.leaves(wave),)+ }
+            }
+
+            /// See [`EffectModel::of_scale`].
+            #[must_use]
+            pub fn of_scale(&self) -> Option<Self> {
+                match self { $(Self::$variant(e) => e.of_scale().and_then(|any| Self::of_any(&any)),)+ }
+            }
+
+            /// See [`EffectModel::slope`].
+            #[must_use]
+            pub fn slope(&self) -> Option<SlopeOf> {
+                match self { $(Self::$variant(e) => e.slope(),)+ }
+            }
+
+            /// See [`EffectModel::mode`].
+            #[must_use]
+            pub fn mode(&self) -> Option<Mode> {
+                match self { $(Self::$variant(e) => e.mode(),)+ }
+            }
+
+            /// See [`EffectModel::timing`].
+            #[must_use]
+            pub fn timing(&self) -> Option<Timing> {
+                match self { $(Self::$variant(e) => e.timing(),)+ }
+            }
+
+            /// See [`EffectModel::within_logs`].
+            #[must_use]
+            pub fn within_logs(&self, half_widths: &[f64], end_s: f64) -> Option<Self> {
+                match self { $(Self::$variant(e) => e.within_logs(half_widths, end_s).and_then(|any| Self::of_any(&any)),)+ }
+            }
+
+            /// See [`EffectModel::over_position`].
+            #[must_use]
+            pub fn over_position(&self) -> Option<&[f64]> {
+                match self { $(Self::$variant(e) => e.over_position(),)+ }
+            }
+
+            /// See [`EffectModel::compensation`].
+            #[must_use]
+            pub fn compensation(&self) -> EffectCompensation {
+                match self { $(Self::$variant(e) => e.compensation(),)+ }
             }
 
             /// Values of the parameters, those of a list one after the other.
@@ -181,6 +296,14 @@ macro_rules! catalogue {
             pub distinguishing_key: Option<&'static str>,
             /// [`EffectModel::SPECIAL_FORM_OF`].
             pub special_form_of: Option<&'static str>,
+            /// [`EffectModel::IS_LINEAR`].
+            pub is_linear: bool,
+            /// [`EffectModel::NEEDS_FORCE`].
+            pub needs_force: bool,
+            /// [`EffectModel::CONTAINS`].
+            pub contains: &'static [&'static str],
+            /// [`EffectModel::PART_OF_DECLARED`].
+            pub part_of_declared: &'static [&'static str],
             /// [`EffectModel::PARAMETERS`].
             pub parameters: &'static [Parameter],
             /// [`EffectModel::NAMED_KEYS`].
@@ -195,6 +318,8 @@ macro_rules! catalogue {
             pub prerequisite: fn(&Settings, Neighbours) -> Prerequisite,
             /// [`EffectModel::draw`].
             pub draw: fn(&mut Draw<'_>) -> Option<Effect>,
+            /// [`EffectModel::hides_friction`].
+            pub hides_friction: fn() -> Option<Effect>,
             /// [`EffectModel::assumed`].
             pub assumed: fn() -> Vec<Effect>,
             /// [`EffectModel::in_place_of`].
@@ -212,6 +337,12 @@ macro_rules! catalogue {
             #[must_use]
             pub fn parameters(&self) -> Vec<(&'static str, f64)> {
                 self.declared_parameters().iter().map(|parameter| parameter.key).zip(self.values()).collect()
+            }
+
+            /// Whether both are of one kind.
+            #[must_use]
+            pub fn is_same_kind(&self, other: &Self) -> bool {
+                std::mem::discriminant(self) == std::mem::discriminant(other)
             }
 
             /// Whether both are the same effect of an axis, regardless of the values.

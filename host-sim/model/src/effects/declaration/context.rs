@@ -19,10 +19,8 @@ pub struct EffectContext<'a> {
     pub stages: &'a [Stage],
     /// Lowest and highest position of the logged motor or table, mm.
     pub travel_mm: [f64; 2],
-    /// Whether the model already contains a backlash.
-    pub has_backlash: bool,
-    /// Number of modes of the tool in the model.
-    pub modes: usize,
+    /// Names of the model's effects.
+    pub effects: &'a [&'static str],
     /// How the residual depends on the position.
     pub residual: &'a ResidualShape,
 }
@@ -32,6 +30,12 @@ impl EffectContext<'_> {
     #[must_use]
     pub fn has(&self, stage: Stage) -> bool {
         self.stages.contains(&stage)
+    }
+
+    /// Number of the model's effects of this name.
+    #[must_use]
+    pub fn count(&self, name: &str) -> usize {
+        self.effects.iter().filter(|effect| **effect == name).count()
     }
 
     /// Whether friction is the only unknown between motor and logged force. With a linear scale, friction also deflects

@@ -3,14 +3,21 @@
 use shared::config::Rates;
 
 use super::abscissa::Abscissa;
+use super::any_effect::AnyEffect;
+use super::compensation::EffectCompensation;
 use super::context::{EffectContext, Misplaced, Neighbours, Placement, Prerequisite};
 use super::coordinate::Coordinate;
 use super::draw::Draw;
 use super::found::{Found, Substitute};
 use super::identity::{Distinction, Occurrence};
 use super::imitation::{Imitation, ImitationContext};
+use super::mode::Mode;
 use super::parameter::Parameter;
+use super::position_wave::PositionWave;
+use super::residual_shape::ResidualShape;
+use super::slope::SlopeOf;
 use super::stage::Stage;
+use super::timing::Timing;
 use super::wording::Wording;
 use crate::axis::Settings;
 
@@ -42,6 +49,19 @@ pub trait EffectModel: Sized + Clone {
     /// Stages of which at least one is needed to search for the effect. If none can be evaluated, the reported reason
     /// is what the first stage lacks.
     const SHOWN_IN: &'static [Stage];
+
+    /// Whether the predictions are linear in all coordinates that a fit varies: their derivatives are then computed once.
+    const IS_LINEAR: bool = false;
+
+    /// Whether the effect can be searched for only if every log has the force.
+    const NEEDS_FORCE: bool = false;
+
+    /// Names of effects that this one contains as a limit of its parameters: it is no rival of one of these.
+    const CONTAINS: &'static [&'static str] = &[];
+
+    /// Names of declared effects whose values contain a part of this one if they were identified without it. Once it is found, they
+    /// are fitted without their tolerance.
+    const PART_OF_DECLARED: &'static [&'static str] = &[];
 
     /// Number by which a seed of `demo` selects this effect; absent: it is not drawn. Numbers are not reused. A new
     /// number changes the effect that each seed draws.
@@ -101,6 +121,102 @@ pub trait EffectModel: Sized + Clone {
     fn assumed() -> Vec<Self> {
         Vec::new()
     }
+
+    /// A form of this effect that hides how friction changes the closed loop. It is fitted before the loop is asked whether it confirms
+    /// a friction.
+    #[must_use]
+    fn hides_friction() -> Option<Self> {
+        None
+    }
+
+    /// The effect that is added before this one, if the model does not have it: a part of what this one describes that is no
+    /// part of its own coordinates. Judged alone, it may make a log worse.
+    fn added_with(&self) -> Option<AnyEffect> {
+        None
+    }
+
+    /// An effect that describes how this one varies over the position, with what its residual shows there and the travel, mm. Both are
+    /// tried together if this one alone is not supported.
+    fn variation(&self, _residual: &ResidualShape, _travel_mm: [f64; 2]) -> Option<AnyEffect> {
+        None
+    }
+
+    /// This effect with a finer resolution, if the residual that it leaves supports one.
+    #[must_use]
+    fn refined(&self, _residual: &ResidualShape) -> Option<Self> {
+        None
+    }
+
+    /// The form of the effect beside another one of its kind, with coordinates that are fixed while it is alone. `None`: the same.
+    #[must_use]
+    fn among_several(&self) -> Option<Self> {
+        None
+    }
+
+    /// Other points at which the fit of this effect starts, beside another one of its kind.
+    fn other_starts(&self) -> Vec<Self> {
+        Vec::new()
+    }
+
+    /// Mean and standard deviation of the prior of all coordinates, beside the declared settings.
+    fn prior(&self, _declared: &Settings) -> Option<[f64; 2]> {
+        None
+    }
+
+    /// The stage in which the effect describes a residual of any shape over the position: what remains there is no defect of its own.
+    fn describes_any_shape_of(&self) -> Option<Stage> {
+        None
+    }
+
+    /// Whether the effect differs between the directions of motion.
+    fn depends_on_direction(&self) -> bool {
+        false
+    }
+
+    /// The wave over the position of the screw that the effect is.
+    fn wave(&self) -> Option<PositionWave> {
+        None
+    }
+
+    /// Whether a wave is no larger than what this effect leaves of the same part of the machine: a remainder.
+    fn leaves(&self, _wave: PositionWave) -> bool {
+        false
+    }
+
+    /// The error of the linear scale that shows the same in the table stage.
+    fn of_scale(&self) -> Option<AnyEffect> {
+        None
+    }
+
+    /// What this effect is a slope of.
+    fn slope(&self) -> Option<SlopeOf> {
+        None
+    }
+
+    /// The mode of the tool that the effect is.
+    fn mode(&self) -> Option<Mode> {
+        None
+    }
+
+    /// The time that the effect describes.
+    fn timing(&self) -> Option<Timing> {
+        None
+    }
+
+    /// What logs that end at this time on the session clock (s) show of the effect, if they do not show the whole, by the half
+    /// widths of its interval.
+    fn within_logs(&self, _half_widths: &[f64], _end_s: f64) -> Option<AnyEffect> {
+        None
+    }
+
+    /// The positions, mm, at which the effect is known, if it is an error over the position; without positions: on the travel of
+    /// the logs.
+    fn over_position(&self) -> Option<&[f64]> {
+        None
+    }
+
+    /// What the controller does about the effect, or why it does nothing.
+    fn compensation(&self) -> EffectCompensation;
 
     /// Values of the parameters, those of a list one after the other.
     fn values(&self) -> Vec<f64>;

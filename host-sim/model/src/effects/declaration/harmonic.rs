@@ -206,8 +206,7 @@ mod tests {
             others: &[],
             stages: &[Stage::Table],
             travel_mm: [-100.0, 200.0],
-            has_backlash: false,
-            modes: 0,
+            effects: &[],
             residual: &residual,
         };
         let of = |of, lead_mm| {

@@ -1,7 +1,9 @@
 //! The types that declare an effect.
 
 mod abscissa;
+mod any_effect;
 mod catalogue;
+mod compensation;
 mod context;
 mod coordinate;
 mod delay;
@@ -13,16 +15,21 @@ pub mod harmonic;
 mod identity;
 mod imitation;
 pub mod knots;
+mod mode;
 mod parameter;
+mod position_wave;
 mod relative_deviation;
 mod residual_shape;
 mod slope;
 mod stage;
+mod timing;
 mod unit;
 mod wording;
 
 pub use abscissa::Abscissa;
+pub use any_effect::AnyEffect;
 pub(super) use catalogue::catalogue;
+pub use compensation::EffectCompensation;
 pub use context::{EffectContext, Misplaced, Neighbours, Placement, Prerequisite};
 pub use coordinate::Coordinate;
 pub(super) use delay::delay;
@@ -35,12 +42,15 @@ pub(super) use harmonic::harmonic_effect;
 pub use identity::{Distinction, Occurrence};
 pub use imitation::{Imitation, ImitationContext};
 pub use knots::KeptPart;
+pub use mode::Mode;
 pub use parameter::Parameter;
+pub use position_wave::PositionWave;
 pub(super) use relative_deviation::relative_deviation;
 pub use residual_shape::{ResidualShape, ResidualWave, WaveOf};
-pub use slope::LEAST_SLOPE_UM_PER_M;
 pub(super) use slope::slope;
+pub use slope::{LEAST_SLOPE_UM_PER_M, SlopeOf};
 pub use stage::{Channel, Stage};
+pub use timing::Timing;
 pub use unit::Unit;
 pub use wording::Wording;
 

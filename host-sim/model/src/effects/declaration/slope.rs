@@ -1,5 +1,20 @@
 //! Common part of effects that are a slope of a position over a position, in µm per m.
 
+/// What a slope of a position over a position belongs to. Of these slopes the logs show sums and differences.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SlopeOf {
+    /// The lead of the screw.
+    Screw,
+    /// The gain of the linear scale.
+    Scale,
+    /// The gain of the probe.
+    Probe,
+    /// The angle between the axes.
+    Axes,
+    /// The angle of the probe.
+    ProbeAngle,
+}
+
 /// A temperature difference of 0.05 K changes the length of steel by 0.5 µm/m.
 pub const LEAST_SLOPE_UM_PER_M: f64 = 0.5;
 

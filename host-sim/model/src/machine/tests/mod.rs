@@ -114,8 +114,7 @@ fn every_written_effect_is_read_as_the_same_effect() {
         others: &others,
         stages: &stages,
         travel_mm: [0.0, 100.0],
-        has_backlash: true,
-        modes: 0,
+        effects: &["backlash"],
         residual: &crate::effects::ResidualShape {
             pitch_knots: Some(6),
             pitch_knots_each_way: Some(4),

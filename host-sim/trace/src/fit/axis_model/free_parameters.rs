@@ -71,7 +71,10 @@ impl AxisModel {
             let declared = self.nominal.effect.get(i).map(Effect::coordinates);
             for (j, coordinate) in effect.coordinates_at(self.rates).into_iter().enumerate() {
                 parameters.push(match &declared {
-                    None => FreeParameter { coordinate, prior: self.knot_prior(effect) },
+                    None => FreeParameter {
+                        coordinate,
+                        prior: effect.prior(&self.nominal.settings).map(|[mean, spread]| (mean, spread)),
+                    },
                     Some(_) if self.is_untolerated(effect) => free(coordinate),
                     Some(declared) => {
                         let centre = declared[j].value;
@@ -87,13 +90,6 @@ impl AxisModel {
     fn unknown_friction(&self, scope: &Scope) -> Option<(Coordinate, f64)> {
         let value_n = self.axis.settings.mechanics.motor_coulomb_n;
         unknown_motor_friction(&self.nominal.settings, value_n, scope)
-    }
-
-    /// Prior of the values of a friction map: zero, with a standard deviation of the Coulomb friction. A fit without a fold knows
-    /// nothing of positions that only this fold contains.
-    fn knot_prior(&self, effect: &Effect) -> Option<(f64, f64)> {
-        let coulomb_n = self.nominal.settings.mechanics.coulomb_n.filter(|force_n| *force_n > 0.0)?;
-        matches!(effect, Effect::FrictionMap(_)).then_some((0.0, coulomb_n))
     }
 
     /// A declared value as a free parameter within its range; a pinned mass within 1 % of all masses or its half width.
