@@ -1,52 +1,49 @@
-//! The declaration of an effect, for the example of `docs/adding-an-effect.md`: the second-order error of an encoder. The
+//! The declaration of an effect, for the example of `docs/adding-an-effect.md`: a drag that grows with the square of the velocity. The
 //! effect is read from an entry of a machine file, described by its sentence, and applied to the simulated machine.
 //!
 //! `cargo run --release -p host-sim --example add_an_effect`
 
-use model::effects::{Effect, EffectModel, EncoderEllipticity};
+use model::effects::{Effect, EffectModel, QuadraticDrag};
 use model::examples::VMC_MACHINE;
 use model::machine::Machine;
 use plant::parameters::AxisParameters;
 
 const ENTRY: &str = r#"
 [[axis.x.effect]]
-name = "encoder_ellipticity"
-amplitude_um = 1.5
-period_mm = 8.0
-phase_rad = 0.0
+name = "quadratic_drag"
+force_n = 80.0
 "#;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    for parameter in EncoderEllipticity::PARAMETERS {
+    for parameter in QuadraticDrag::PARAMETERS {
         println!("{:<14}{:?}, {}", parameter.key, parameter.unit, parameter.range.description());
     }
-    let (effect, errors_um) = errors_um()?;
+    let (effect, forces_n) = forces_n()?;
     println!("x: {}.", effect.sentence(&[], false));
-    for (motor_mm, error_um) in errors_um {
-        println!("motor at {motor_mm} mm: error of the reading {error_um:+.3} µm");
+    for (m_per_s, force_n) in forces_n {
+        println!("at {m_per_s} m/s: {force_n:+.1} N against the motion");
     }
     Ok(())
 }
 
-/// Motor position, mm, and error of its reading, µm.
-type ReadingError = (f64, f64);
+/// Velocity, m/s, and force, N.
+type ForceAt = (f64, f64);
 
-/// The effect of a machine file, and the error of the reading over one period.
-fn errors_um() -> Result<(Effect, Vec<ReadingError>), Box<dyn std::error::Error>> {
+/// The effect of a machine file, and its force at some velocities.
+fn forces_n() -> Result<(Effect, Vec<ForceAt>), Box<dyn std::error::Error>> {
     let machine = Machine::parse(&format!("{VMC_MACHINE}{ENTRY}"), "machine.toml")?;
     let axis = &machine.axis["x"];
-    let parameters = AxisParameters::of(axis);
-    let error_um = |motor_mm: f64| (motor_mm, 1e6 * parameters.resolver_error_m(1e-3 * motor_mm));
-    Ok((axis.effect[0].clone(), [0.0, 2.0, 4.0, 6.0, 8.0].map(error_um).to_vec()))
+    let friction = AxisParameters::of(axis).friction;
+    let force_n = |m_per_s: f64| (m_per_s, friction.beyond_linear_n(m_per_s));
+    Ok((axis.effect[0].clone(), [-1.0, -0.5, 0.0, 0.5, 1.0].map(force_n).to_vec()))
 }
 
 #[test]
-fn the_error_of_the_reading_is_the_amplitude_after_a_quarter_of_a_period()
--> Result<(), Box<dyn std::error::Error>> {
-    let (effect, errors_um) = errors_um()?;
-    assert_eq!(effect.name(), "encoder_ellipticity");
-    for ((_, error_um), expected_um) in errors_um.into_iter().zip([0.0, 1.5, 0.0, -1.5, 0.0]) {
-        assert!((error_um - expected_um).abs() < 1e-9, "{error_um} {expected_um}");
+fn the_force_is_a_quarter_at_half_the_velocity() -> Result<(), Box<dyn std::error::Error>> {
+    let (effect, forces_n) = forces_n()?;
+    assert_eq!(effect.name(), "quadratic_drag");
+    for ((_, force_n), expected_n) in forces_n.into_iter().zip([-80.0, -20.0, 0.0, 20.0, 80.0]) {
+        assert!((force_n - expected_n).abs() < 1e-9, "{force_n} {expected_n}");
     }
     Ok(())
 }

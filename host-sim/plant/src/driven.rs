@@ -211,18 +211,18 @@ impl<'a> DrivenStep<'a> {
     fn friction(&self, bristle_m: f64, about: f64, sliding: SlidingState) -> StepFriction {
         let friction = &self.parameters.friction;
         let viscous = friction.viscous_n_s_per_m;
-        let asymmetry_n = friction.asymmetry.force_n(about);
+        let beyond_linear_n = friction.beyond_linear_n(about);
         if !friction.has_bristles() {
             let mut no_bristle_m = 0.0;
             let dry_n = friction.step(&mut no_bristle_m, about, sliding, self.time.seconds)
                 - friction.viscous_n(about);
             let bristles = ExactStep::default();
-            return StepFriction { offset_n: dry_n + asymmetry_n, slope_n_s_per_m: viscous, bristles };
+            return StepFriction { offset_n: dry_n + beyond_linear_n, slope_n_s_per_m: viscous, bristles };
         }
         let level_n = friction.level_n(about, sliding);
         let bristles = friction.bristles().exact_step(bristle_m, about, level_n, self.time);
         StepFriction {
-            offset_n: bristles.offset_n + asymmetry_n,
+            offset_n: bristles.offset_n + beyond_linear_n,
             slope_n_s_per_m: bristles.slope_n_s_per_m + viscous,
             bristles,
         }

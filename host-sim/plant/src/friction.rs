@@ -3,8 +3,8 @@
 
 use super::presliding::Bristles;
 use model::effects::{
-    FrictionAsymmetry, FrictionMemory, FrictionRipple, FrictionWarmUp, PreloadVariation, ShearThinning,
-    Stribeck,
+    FrictionAsymmetry, FrictionMemory, FrictionRipple, FrictionWarmUp, PreloadVariation, QuadraticDrag,
+    ShearThinning, Stribeck,
 };
 use model::friction_curve::Curve;
 use model::position_curve::PositionCurve;
@@ -58,6 +58,8 @@ pub struct Friction {
     pub warm_up: FrictionWarmUp,
     /// Difference between the directions of travel.
     pub asymmetry: FrictionAsymmetry,
+    /// Force that grows with the square of the velocity.
+    pub drag: QuadraticDrag,
     /// A published friction curve in the place of the Coulomb level.
     pub curve: Option<Curve>,
 }
@@ -117,11 +119,24 @@ impl Friction {
         self.bristle_stiffness_n_per_m > 0.0
     }
 
-    /// Viscous friction and its asymmetry at a velocity (m/s), N, against the motion.
+    /// Viscous friction and [`Self::beyond_linear_n`] at a velocity (m/s), N, against the motion.
     #[must_use]
     #[inline]
     pub fn viscous_n(&self, velocity: f64) -> f64 {
-        self.viscous_n_s_per_m * velocity + self.asymmetry.force_n(velocity)
+        self.viscous_n_s_per_m * velocity + self.beyond_linear_n(velocity)
+    }
+
+    /// What depends on the velocity (m/s) alone, is zero at standstill and is not linear, N, against motion in + direction.
+    #[must_use]
+    #[inline]
+    pub fn beyond_linear_n(&self, velocity: f64) -> f64 {
+        self.asymmetry.force_n(velocity) + self.drag.resistance_n(velocity)
+    }
+
+    /// Whether [`Self::beyond_linear_n`] is not zero.
+    #[must_use]
+    pub fn is_beyond_linear(&self) -> bool {
+        self.beyond_linear_n(1.0) != 0.0 || self.beyond_linear_n(-1.0) != 0.0
     }
 
     /// Bends the bristles (m) over a step (s) of a known velocity (m/s) and gives the whole friction at its end, N,

@@ -21,9 +21,8 @@ pub struct Guide<L> {
     has_position_load: bool,
     /// Whether the friction of any of the axes depends on its filtered speed.
     has_memory: bool,
-    /// Whether the friction of any of the axes depends on the time of the session.
-    has_warm_up: bool,
-    asymmetry_n_s_per_m: L,
+    /// Whether [`Friction::beyond_linear_n`] of any of the axes is not zero.
+    is_beyond_linear: bool,
 }
 
 /// Motion of the tables over a step as it would be without guides, and their response to a force.
@@ -51,8 +50,7 @@ impl Guide<f64> {
             load_n: parameters.load.constant.force_n,
             has_position_load: parameters.load.position.is_some(),
             has_memory: friction.memory.remembers(),
-            has_warm_up: friction.warm_up.changes(),
-            asymmetry_n_s_per_m: friction.asymmetry.half_difference_n_s_per_m,
+            is_beyond_linear: friction.is_beyond_linear(),
         }
     }
 }
@@ -77,10 +75,9 @@ impl Guide<f64x2> {
             bristles,
             relaxation_per_m,
             has_memory: guides.iter().any(|guide| guide.has_memory),
-            has_warm_up: guides.iter().any(|guide| guide.has_warm_up),
             load_n: f64x2::new(guides.map(|guide| guide.load_n)),
             has_position_load: guides.iter().any(|guide| guide.has_position_load),
-            asymmetry_n_s_per_m: f64x2::new(guides.map(|guide| guide.asymmetry_n_s_per_m)),
+            is_beyond_linear: guides.iter().any(|guide| guide.is_beyond_linear),
         })
     }
 }
@@ -105,15 +102,16 @@ impl<L: Lane> Guide<L> {
                 + L::of(|axis| parameters[axis].friction.memory.share(step.seconds))
                     * (about.abs() - motion.filtered_speed_m_per_s);
         }
-        if self.has_warm_up {
-            motion.time_s = motion.time_s + L::all(step.seconds);
-        }
+        motion.time_s = motion.time_s + L::all(step.seconds);
         let sliding = |axis: usize| SlidingState {
             position_m: motion.table_m.lane(axis),
             filtered_speed_m_per_s: motion.filtered_speed_m_per_s.lane(axis),
             time_s: motion.time_s.lane(axis),
         };
-        let mut load_n = self.load_n + self.asymmetry_n_s_per_m * about.abs();
+        let mut load_n = self.load_n;
+        if self.is_beyond_linear {
+            load_n = load_n + L::of(|axis| parameters[axis].friction.beyond_linear_n(about.lane(axis)));
+        }
         if self.has_position_load {
             // In the middle of the step, by extrapolation.
             let middle_m = motion.table_m + L::all(0.5 * step.seconds) * about;

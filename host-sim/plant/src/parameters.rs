@@ -179,6 +179,7 @@ impl AxisParameters {
             Effect::MotorStribeck(e) => self.motor_stribeck = e,
             Effect::FrictionMap(e) => self.friction.map = e.curve(),
             Effect::FrictionWarmUp(e) => self.friction.warm_up = e,
+            Effect::QuadraticDrag(e) => self.friction.drag = e,
             Effect::Presliding(e) => {
                 self.friction.bristle_stiffness_n_per_m = 1e6 * e.stiffness_n_per_um;
                 self.friction.bristle_damping_n_s_per_m = e.damping_n_s_per_m;

@@ -11,6 +11,7 @@ mod data_faults;
 mod demo_seeds;
 mod documented_commands;
 mod documents;
+mod drag;
 mod effect_table;
 mod effects;
 mod effects_own;

@@ -41,6 +41,7 @@ mod preload_variation;
 mod presliding;
 mod probe_gain;
 mod probe_rotation;
+mod quadratic_drag;
 mod resolver_dividing;
 mod resonance;
 mod scale_cyclic;
@@ -105,6 +106,7 @@ pub use preload_variation::PreloadVariation;
 pub use presliding::Presliding;
 pub use probe_gain::ProbeGain;
 pub use probe_rotation::ProbeRotation;
+pub use quadratic_drag::QuadraticDrag;
 pub use resolver_dividing::ResolverDividing;
 pub use resonance::Resonance;
 pub use scale_cyclic::ScaleCyclic;
@@ -150,6 +152,7 @@ catalogue! {
     FrictionMemory,
     PreloadVariation,
     FrictionRipple,
+    QuadraticDrag,
     ServoMismatch,
     VelocityLag,
     VelocityFilter,

@@ -33,7 +33,7 @@ fn each_compensated_effect_of_the_catalogue_is_tested() {
 }
 
 /// All effects that a simulation has and that are not compensated, on one machine.
-const NOT_COMPENSATED: [&str; 14] = [
+const NOT_COMPENSATED: [&str; 15] = [
     "name = \"drive_asymmetry\"\npercent = 3.0",
     "name = \"drive_dead_time\"\nms = 0.05",
     "name = \"computation_delay\"\nperiods = 0.1",
@@ -41,6 +41,7 @@ const NOT_COMPENSATED: [&str; 14] = [
     "name = \"velocity_lag\"\nms = 0.2",
     "name = \"latency\"\nchannel = \"table\"\nms = 1.0",
     "name = \"shear_thinning\"\nforce_n = 20.0\nvelocity_mm_s = 5.0",
+    "name = \"quadratic_drag\"\nforce_n = 100.0",
     "name = \"scale_gain\"\num_per_m = 5.0",
     "name = \"scale_cyclic\"\namplitude_um = 0.5\nperiod_mm = 37.0",
     "name = \"thermal_growth\"\npart = \"scale\"\num_per_m = 5.0\ntime_constant_s = 20.0",

@@ -258,6 +258,17 @@ pub fn friction_memory() {
     assert_all(&moved, &effect_run.accelerating(m_per_s2), expected_n, ROUNDING_N, "force");
 }
 
+/// c·v·|v| more force against the motion.
+pub fn quadratic_drag() {
+    let newton = 2000.0;
+    let motion = lines(&[(40.0, 30.0), (160.0, 100.0), (40.0, 100.0), (0.0, 30.0)]);
+    let plain = run(PLAIN, &motion);
+    let effect_run = run(&with(&format!("name = \"quadratic_drag\"\nforce_n = {newton}")), &motion);
+    for mm_s in [30.0_f64, 100.0, -100.0, -30.0] {
+        assert_on_table(&effect_run, &plain, mm_s, 1e-6 * newton * mm_s * mm_s.abs());
+    }
+}
+
 /// Friction rises by slope·(x − c) + curvature·(x − c)² at the position x.
 pub fn preload_variation() {
     let (centre_mm, slope, curvature, mm_s) = (20.0, 300.0, 8000.0, 20.0);

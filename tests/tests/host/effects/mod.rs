@@ -23,7 +23,7 @@ tested! {
     force: stribeck, friction_asymmetry, torque_ripple, constant_load, drive_asymmetry, position_load,
         motor_stribeck, friction_warm_up,
         friction_map, presliding, shear_thinning, friction_memory,
-        preload_variation, friction_ripple;
+        preload_variation, friction_ripple, quadratic_drag;
     servo: servo_mismatch, velocity_lag, feedforward_mismatch, velocity_gain_mismatch, integral_time_mismatch,
         drive_lag, drive_dead_time, computation_delay;
     tool: intalk, crosstalk, squareness, straightness, probe_rotation, probe_gain, thermal_drift, thermal_rate,
