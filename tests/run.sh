@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # The tests of a change, and of everything:
 #
-#   tests/run.sh        format, the programs of the chip, and the tests that take minutes
-#   tests/run.sh all    also lints, documentation and the long tests: what a submission has to pass
+#   tests/run.sh        format, whether the programs of the chip compile, and the tests of the host that take minutes
+#   tests/run.sh all    also lints, documentation, the programs and tests of the chip, and the long tests: what a submission has to pass
 #
 # docs/testing.md lists what each part would catch and how long it takes. Installs what is missing: the target of the chip, and
 # the emulator by the system's package manager.
@@ -11,10 +11,9 @@ cd "$(dirname "$0")/.."
 
 target=thumbv7em-none-eabihf
 
-# Tests of the programs `chip` and `host` that are left to `all`, by parts of their names. They repeat at length, or on other logs, what
+# Tests of the program `host` that are left to `all`, by parts of their names. They repeat at length, or on other logs, what
 # another test would catch: no mutant of `shared` and no false name of docs/testing.md is found by one of these alone.
 long=(
-  cost:: random_motions_are_the_same_without_optimisation
   compensation::watched:: example_machines:: demo_seeds::
   command_line::improve:: command_line::reproduce:: command_line::compare:: command_line::worked_example::
   model_again::a_model_of_a_case_is_stable model_again::a_model_of_measured_data_is_stable
@@ -65,14 +64,28 @@ documentation() {
     cargo doc --no-deps --document-private-items --workspace --exclude firmware --exclude tests --exclude random-motion
 }
 
-# All tests but those of documentation and examples; the arguments are for those of `chip` and `host`. Targets are chosen and not
-# packages, with which cargo would compile dependencies again with other features. The tests that talk to an emulated board, which
-# ticks in real time, run before the traces, which use all cores.
-tests() {
+# The programs that are flashed, and those of the emulator: whether they compile.
+check_programs_of_chip() {
+  local program
+  for program in board emulated servo; do
+    cargo check --package firmware --bin "$program" --features "$program" --target "$target"
+  done
+}
+
+# Targets are chosen and not packages, with which cargo would compile dependencies again with other features.
+tests_of_host() {
   cargo test --release --lib --bins
   cargo test --release --test integration --test memory
-  cargo test --release --test chip -- "$@"
   cargo test --release --test host -- "$@"
+}
+
+# The tests that talk to an emulated board, which ticks in real time, run before the traces, which use all cores.
+all_tests() {
+  cargo test --release --test chip
+  tests_of_host
+  cargo test --release --test second_simulator
+  cargo test --release --doc
+  cargo test --release --examples
 }
 
 case ${1:-} in
@@ -94,22 +107,22 @@ if [ "${1:-}" = all ]; then
   documentation
 fi
 step "programs of the chip"
-cargo board
-cargo emulated
-cargo servo
+if [ "${1:-}" = all ]; then
+  cargo board
+  cargo emulated
+  cargo servo
+else
+  check_programs_of_chip
+fi
 step "tests"
 if [ -z "${LOST_MOTION_DATA:-}" ]; then
   echo "LOST_MOTION_DATA is not set: tests on measured data will be skipped"
 fi
 if [ "${1:-}" = all ]; then
-  tests
-  step "the second simulator, and examples in the documentation"
-  cargo test --release --test second_simulator
-  cargo test --release --doc
-  cargo test --release --examples
+  all_tests
 else
   skipped=()
   for module in "${long[@]}"; do skipped+=(--skip "$module"); done
-  tests "${skipped[@]}"
+  tests_of_host "${skipped[@]}"
 fi
 step "done"
