@@ -8,6 +8,7 @@ mod compensate;
 mod compensation;
 mod demo;
 mod friction_map;
+mod import;
 mod improve;
 mod input_error;
 mod logged_run;
@@ -65,6 +66,8 @@ enum Command {
     SelfTest(self_test::Arguments),
     /// Compute the residuals of logs, identify the missing effects, report the errors before and after.
     Trace(trace::Arguments),
+    /// Turn a log that another program wrote into one that the other commands read.
+    Import(import::Arguments),
     /// Compute gain and phase margins of the velocity and position loops of a machine file.
     Margins(margins::Arguments),
     /// Log, trace, compensate and run a simulated machine again, round after round, until nothing more is gained.
@@ -92,6 +95,7 @@ pub fn run() -> ExitCode {
         Command::Sensors(arguments) => sensors::run(&arguments),
         Command::SelfTest(arguments) => self_test::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
+        Command::Import(arguments) => import::run(&arguments),
         Command::Improve(arguments) => improve::run(&arguments),
         Command::Tune(arguments) => tune::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),

@@ -10,6 +10,7 @@ mod write;
 
 use std::ops::Range;
 
+pub use read::channel_of;
 pub use write::{Rows, write_rows};
 
 /// Units of an axis's positions and forces.
@@ -22,7 +23,8 @@ pub enum Unit {
 }
 
 impl Unit {
-    const ALL: [Self; 2] = [Self::Millimetre, Self::Degree];
+    /// All units.
+    pub const ALL: [Self; 2] = [Self::Millimetre, Self::Degree];
 
     /// Suffix of a channel's column.
     #[must_use]
@@ -71,7 +73,9 @@ impl Channel {
         }
     }
 
-    fn is_force(self) -> bool {
+    /// Whether the channel is a force or torque, and no position.
+    #[must_use]
+    pub fn is_force(self) -> bool {
         matches!(self, Self::Force | Self::AddedForce)
     }
 }

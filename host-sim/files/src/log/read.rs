@@ -116,7 +116,7 @@ impl Header {
             self.channels.push(None);
             return Ok(());
         }
-        let Some((axis, channel, unit)) = split(name) else {
+        let Some((axis, channel, unit)) = channel_of(name) else {
             return Err((format!("a column {ALLOWED}"), quoted(name)));
         };
         let known = self.axes.iter().position(|known| known.name == axis);
@@ -153,8 +153,9 @@ fn visible(name: &str) -> String {
 }
 
 /// Axis, channel and unit from the name of a column. The longest suffix is used: `x_added_force_n` is not the force of an
-/// axis `x_added`.
-fn split(name: &str) -> Option<(&str, Channel, Unit)> {
+/// axis `x_added`. `None`: it is no channel.
+#[must_use]
+pub fn channel_of(name: &str) -> Option<(&str, Channel, Unit)> {
     let suffixes = Channel::ALL.iter().rev().flat_map(|&channel| {
         Unit::ALL.map(|unit| (format!("_{}_{}", channel.word(), unit.suffix(channel)), channel, unit))
     });

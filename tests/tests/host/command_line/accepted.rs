@@ -20,7 +20,9 @@ fn every_command_has_help() {
     let folder = folder();
     assert!(folder.succeeds("--version").starts_with("lost-motion "));
     let overview = folder.succeeds("--help");
-    for command in ["demo", "simulate", "record", "compare", "reproduce", "self-test", "trace", "verify"] {
+    for command in
+        ["demo", "simulate", "record", "compare", "reproduce", "self-test", "trace", "verify", "import"]
+    {
         assert!(overview.contains(command), "{overview}");
         assert!(folder.succeeds(&format!("{command} --help")).contains("Usage: lost-motion"));
     }

@@ -4,6 +4,7 @@ mod accepted;
 mod board_arguments;
 mod compare;
 mod compensate;
+mod import;
 mod improve;
 mod margins;
 mod refused;

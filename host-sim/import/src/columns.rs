@@ -1,0 +1,330 @@
+//! Which column is which channel.
+
+use std::str::FromStr;
+
+use files::error::{InputError, quoted};
+use files::log::{Channel, Unit, channel_of};
+
+use crate::Request;
+use crate::table::{ForeignColumn, ForeignTable, Writer};
+use crate::unit::Quantity;
+
+/// Our name of the column of times.
+pub const TIME: &str = "time_s";
+
+/// What our columns may be called, for messages.
+const ALLOWED: &str = "time_s, NAME_command|motor|table|tool_mm|deg or NAME_force|added_force_n|nm";
+
+/// Names of columns of times that need no mapping.
+const TIME_NAMES: [&str; 6] = [TIME, "time", "t", "timestamp", "zeit", "temps"];
+
+/// Least likeness of two names of which one may be a misspelling of the other.
+const LIKENESS: f64 = 0.8;
+
+/// A channel and the column that holds it: `x_command_mm=X cmd`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mapping {
+    /// Our name.
+    pub ours: String,
+    /// Name in the file.
+    pub theirs: String,
+}
+
+impl FromStr for Mapping {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (ours, theirs) = pair(text, "OURS=THEIRS")?;
+        Ok(Self { ours, theirs })
+    }
+}
+
+/// The unit of a column of the file: `x_command_mm=inch`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnitOf {
+    /// Our name.
+    pub ours: String,
+    /// The unit of its column.
+    pub unit: String,
+}
+
+impl FromStr for UnitOf {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (ours, unit) = pair(text, "OURS=UNIT")?;
+        Ok(Self { ours, unit })
+    }
+}
+
+fn pair(text: &str, expected: &str) -> Result<(String, String), String> {
+    let parts = text.split_once('=').map(|(ours, theirs)| (ours.trim(), theirs.trim()));
+    match parts {
+        Some((ours, theirs)) if !ours.is_empty() && !theirs.is_empty() => {
+            Ok((ours.to_owned(), theirs.to_owned()))
+        }
+        _ => Err(format!("expected {expected}")),
+    }
+}
+
+/// The column of times.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimeColumn {
+    /// Its index.
+    pub column: usize,
+    /// Seconds per unit of its values; `None`: it counts samples.
+    pub factor: Option<f64>,
+}
+
+/// The column of a channel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChosenChannel {
+    /// Name of the axis.
+    pub axis: String,
+    /// The channel.
+    pub channel: Channel,
+    /// Unit of the axis.
+    pub unit: Unit,
+    /// Index of the column.
+    pub column: usize,
+    /// Units of the log per unit of the column.
+    pub factor: f64,
+}
+
+/// The columns of a log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chosen {
+    /// The times, if the file has any.
+    pub time: Option<TimeColumn>,
+    /// The channels; at least one.
+    pub channels: Vec<ChosenChannel>,
+}
+
+/// Chooses the columns: those that are mapped, and those that have our names already.
+///
+/// # Errors
+/// A name that is none of ours, a column that the file lacks, a unit that does not fit, or no channel at all.
+pub fn choose(
+    table: &ForeignTable,
+    request: &Request,
+    source: &str,
+    notes: &mut Vec<String>,
+) -> Result<Chosen, InputError> {
+    let named = named(table, request, source)?;
+    let units = Units { request, source };
+    let mut chosen = Chosen { time: None, channels: Vec::new() };
+    for (ours, column) in &named {
+        let (name, foreign) = (ours.as_str(), &table.columns[*column]);
+        if name == TIME {
+            let factor = units.factor(name, Quantity::Time, foreign, notes)?;
+            chosen.time = Some(TimeColumn { column: *column, factor: Some(factor) });
+            continue;
+        }
+        let Some((axis, channel, unit)) = channel_of(name) else { return Err(unknown(name)) };
+        if let Some(other) = chosen.channels.iter().find(|other| other.axis == axis && other.unit != unit) {
+            let expected = format!("unit {} as of its other columns", other.unit.suffix(channel));
+            return Err(InputError::expected("--map", expected, quoted(name)));
+        }
+        let factor = units.factor(name, Quantity::of(unit, channel.is_force()), foreign, notes)?;
+        chosen.channels.push(ChosenChannel { axis: axis.to_owned(), channel, unit, column: *column, factor });
+    }
+    for unit in &request.units {
+        if !named.iter().any(|(ours, _)| *ours == unit.ours) {
+            return Err(InputError::expected("--unit", "the name of a mapped column", quoted(&unit.ours)));
+        }
+    }
+    if chosen.time.is_none() {
+        chosen.time = counter(table, &named);
+    }
+    if chosen.channels.is_empty() {
+        let found =
+            format!("the columns {}", listed(table.columns.iter().map(|column| column.name.as_str())));
+        let expected = "--map OURS=THEIRS for at least one channel, such as --map x_command_mm=THEIRS";
+        return Err(InputError::expected(source, expected, found).at_line(table.header_line));
+    }
+    note_ignored(table, &named, &chosen, notes);
+    Ok(chosen)
+}
+
+/// Our name and the index of each column that is used.
+fn named(table: &ForeignTable, request: &Request, source: &str) -> Result<Vec<(String, usize)>, InputError> {
+    let mut named: Vec<(String, usize)> = Vec::new();
+    for Mapping { ours, theirs } in &request.mappings {
+        if ours != TIME && channel_of(ours).is_none() {
+            return Err(unknown(ours));
+        }
+        if named.iter().any(|(other, _)| other == ours) {
+            return Err(InputError::expected("--map", "each name once", quoted(ours)));
+        }
+        named.push((ours.clone(), position(table, theirs, source)?));
+    }
+    for (index, column) in table.columns.iter().enumerate() {
+        let is_free = |named: &[(String, usize)], ours: &str| {
+            named.iter().all(|(other, used)| other != ours && *used != index)
+        };
+        if channel_of(&column.name).is_some() && is_free(&named, &column.name) {
+            named.push((column.name.clone(), index));
+        }
+        let is_time = TIME_NAMES.contains(&column.name.to_lowercase().as_str());
+        if is_time && is_free(&named, TIME) {
+            named.push((TIME.to_owned(), index));
+        }
+    }
+    Ok(named)
+}
+
+/// The column that the user names: exactly, or regardless of case and unit.
+fn position(table: &ForeignTable, theirs: &str, source: &str) -> Result<usize, InputError> {
+    let find = |is: &dyn Fn(&ForeignColumn) -> bool| table.columns.iter().position(is);
+    let (name, _) = crate::unit::split(theirs);
+    let found = find(&|column| column.name == theirs)
+        .or_else(|| find(&|column| column.name.eq_ignore_ascii_case(name)));
+    found.ok_or_else(|| {
+        let names = || table.columns.iter().map(|column| column.name.as_str());
+        let expected = match likely(theirs, names()) {
+            Some(name) => format!("a column of the file (did you mean {}?)", quoted(name)),
+            None => format!("a column of the file: {}", listed(names())),
+        };
+        InputError::expected(source, expected, quoted(theirs)).at_line(table.header_line)
+    })
+}
+
+/// The error of a name that is none of ours.
+fn unknown(ours: &str) -> InputError {
+    let axis = ours.split('_').next().unwrap_or_default();
+    let names: Vec<String> = Channel::ALL
+        .into_iter()
+        .flat_map(|channel| {
+            Unit::ALL.map(|unit| format!("{axis}_{}_{}", channel.word(), unit.suffix(channel)))
+        })
+        .chain([TIME.to_owned()])
+        .collect();
+    let expected = match likely(ours, names.iter().map(String::as_str)) {
+        Some(name) => format!("{ALLOWED} (did you mean {name}?)"),
+        None => ALLOWED.to_owned(),
+    };
+    InputError::expected("--map", expected, quoted(ours))
+}
+
+/// The most similar name, if it is similar enough to be meant.
+fn likely<'a>(name: &str, among: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let lower = name.to_lowercase();
+    let scored = among.map(|other| (strsim::jaro_winkler(&lower, &other.to_lowercase()), other));
+    let (likeness, best) = scored.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (likeness >= LIKENESS).then_some(best)
+}
+
+/// What the units of columns follow from.
+struct Units<'a> {
+    request: &'a Request,
+    source: &'a str,
+}
+
+impl Units<'_> {
+    /// Units of the log per unit of a column, which is that of the user, of the header, or else our own.
+    fn factor(
+        &self,
+        ours: &str,
+        quantity: Quantity,
+        column: &ForeignColumn,
+        notes: &mut Vec<String>,
+    ) -> Result<f64, InputError> {
+        let asked = self.request.units.iter().find(|unit| unit.ours == ours).map(|unit| unit.unit.as_str());
+        let name = quoted(&column.name);
+        let Some(unit) = asked.or(column.unit.as_deref()) else {
+            if column.name != ours {
+                let own = ours.rsplit('_').next().unwrap_or_default();
+                notes.push(format!(
+                    "{ours}: column {name} is taken as {own}; --unit {ours}=UNIT says otherwise"
+                ));
+            }
+            return Ok(1.0);
+        };
+        let Some(factor) = quantity.factor(unit) else {
+            let place = if asked.is_some() { "--unit" } else { self.source };
+            return Err(InputError::expected(place, quantity.allowed(), quoted(unit)).at_key(ours));
+        };
+        notes.push(format!("{ours}: column {name}, {unit}"));
+        Ok(factor)
+    }
+}
+
+/// The first column of `halsampler -t`, which counts samples.
+fn counter(table: &ForeignTable, named: &[(String, usize)]) -> Option<TimeColumn> {
+    let is_free = named.iter().all(|(_, column)| *column != 0);
+    let values = &table.columns.first()?.values;
+    let steps = values.windows(2).filter(|pair| (pair[1] - pair[0]).to_bits() == 1f64.to_bits()).count();
+    let counts =
+        values.iter().all(|value| value.round().to_bits() == value.to_bits()) && 2 * steps > values.len();
+    let is_counter = table.writer == Writer::Halsampler && is_free && counts;
+    is_counter.then_some(TimeColumn { column: 0, factor: None })
+}
+
+fn note_ignored(table: &ForeignTable, named: &[(String, usize)], chosen: &Chosen, notes: &mut Vec<String>) {
+    let is_used = |index: usize| {
+        named.iter().any(|(_, used)| *used == index) || chosen.time.is_some_and(|time| time.column == index)
+    };
+    let ignored = (0..table.columns.len()).filter(|&index| !is_used(index));
+    let names: Vec<&str> = ignored.map(|index| table.columns[index].name.as_str()).collect();
+    if !names.is_empty() {
+        notes.push(format!("not used: {}", listed(names.into_iter())));
+    }
+}
+
+/// Names in quotes; of many, the first.
+fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    const MOST: usize = 12;
+    let names: Vec<&str> = names.collect();
+    let first: Vec<String> = names.iter().take(MOST).map(|name| quoted(name)).collect();
+    let more = names.len().saturating_sub(MOST);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    format!("{}{more}", first.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn request(mappings: &[&str], units: &[&str]) -> Request {
+        Request {
+            mappings: mappings.iter().map(|text| text.parse().unwrap()).collect(),
+            units: units.iter().map(|text| text.parse().unwrap()).collect(),
+            rate_hz: None,
+        }
+    }
+
+    fn chosen(text: &str, request: &Request) -> Result<(Chosen, Vec<String>), String> {
+        let table = ForeignTable::parse(text, "a.csv", &mut Vec::new()).unwrap();
+        let mut notes = Vec::new();
+        let chosen = choose(&table, request, "a.csv", &mut notes).map_err(|error| error.to_string())?;
+        Ok((chosen, notes))
+    }
+
+    const TEXT: &str = "Time (ms),X cmd (in),X act,spindle\n0,1,2,3\n1,2,3,3\n2,3,4,3\n";
+
+    #[test]
+    fn columns_are_mapped_with_their_units() {
+        let request = request(&["x_command_mm=X cmd", "x_motor_mm=x act"], &["x_motor_mm=um"]);
+        let (chosen, notes) = chosen(&TEXT.replace("Time", "time"), &request).unwrap();
+        assert_eq!(chosen.time, Some(TimeColumn { column: 0, factor: Some(1e-3) }));
+        let of = |index: usize| (chosen.channels[index].column, chosen.channels[index].factor);
+        assert_eq!([of(0), of(1)], [(1, 25.4), (2, 1e-3)]);
+        assert!(notes.iter().any(|note| note == "not used: \"spindle\""), "{notes:?}");
+    }
+
+    #[test]
+    fn names_that_are_nearly_right_are_proposed() {
+        let of = |mapping: &str| chosen(TEXT, &request(&[mapping], &[])).unwrap_err();
+        assert!(of("x_comand_mm=X cmd").contains("did you mean x_command_mm?"));
+        assert!(of("x_command_mm=X cnd").contains("did you mean \"X cmd\"?"));
+        assert!(of("x_command_mm=quite another").contains("\"Time\", \"X cmd\", \"X act\", \"spindle\""));
+        assert!(chosen(TEXT, &request(&[], &[])).unwrap_err().contains("--map OURS=THEIRS"));
+    }
+
+    #[test]
+    fn units_that_do_not_fit_are_refused() {
+        let of = |unit: &str| chosen(TEXT, &request(&["x_command_mm=X cmd"], &[unit])).unwrap_err();
+        assert!(of("x_command_mm=N").contains("mm, m, um, nm, in or counts*SCALE, found \"N\""));
+        assert!(of("y_command_mm=um").contains("--unit: expected the name of a mapped column"));
+    }
+}

@@ -1,0 +1,86 @@
+//! Logs that other programs wrote.
+//!
+//! A foreign file becomes a [`Log`] in five steps, each of which says what it assumed:
+//!
+//! - [`text`]: bytes to lines, in the encoding of the file
+//! - [`dialect`]: the separator of the columns and the decimal sign
+//! - [`table`]: header, units, comments and rows; the [`Writer`](table::Writer) is recognised by content
+//! - [`columns`]: which column is which channel, with the [`unit`] of each
+//! - [`clock`]: the times of a uniform clock; lost, repeated and late rows are counted and bridged
+//!
+//! Nothing is invented: a channel that is not mapped is not in the log, and a time that neither the file nor the user gives is asked for.
+
+pub mod clock;
+pub mod columns;
+pub mod dialect;
+pub mod table;
+pub mod text;
+pub mod unit;
+
+use std::path::Path;
+
+use files::error::InputError;
+use files::log::Log;
+
+use columns::{Mapping, UnitOf};
+use table::ForeignTable;
+
+/// What the user says of a file.
+#[derive(Clone, Debug, Default)]
+pub struct Request {
+    /// Which column is which channel.
+    pub mappings: Vec<Mapping>,
+    /// Units that the file does not say, or says wrongly.
+    pub units: Vec<UnitOf>,
+    /// Samples per second, if the file has no times.
+    pub rate_hz: Option<f64>,
+}
+
+/// A log, and what was assumed and changed on the way to it.
+#[derive(Clone, Debug)]
+pub struct Imported {
+    /// The log.
+    pub log: Log,
+    /// One sentence for each assumption and change.
+    pub notes: Vec<String>,
+}
+
+/// Reads a foreign file; `-` is standard input, and gzip is recognised.
+///
+/// # Errors
+/// If the file cannot be read, has no table of numbers, or lacks a column or a time that was asked for.
+pub fn import(path: &Path, request: &Request) -> Result<Imported, InputError> {
+    let source = path.display().to_string();
+    of_bytes(&text::read(path, &source)?, &source, request)
+}
+
+/// Reads a foreign file from its bytes; `source` is its name for messages.
+///
+/// # Errors
+/// As [`import`].
+pub fn of_bytes(bytes: &[u8], source: &str, request: &Request) -> Result<Imported, InputError> {
+    let mut notes = Vec::new();
+    let text = text::decode(bytes, source, &mut notes)?;
+    let table = ForeignTable::parse(&text, source, &mut notes)?;
+    let chosen = columns::choose(&table, request, source, &mut notes)?;
+    let log = clock::uniform(&table, chosen, request.rate_hz, source, &mut notes)?;
+    Ok(Imported { log, notes })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Any text is a log or one line of an error.
+        #[test]
+        fn no_text_causes_a_panic(text in "([-0-9.,;\t a\u{b5}#e]{0,24}\n){0,12}", rate in proptest::option::of(1e-3..1e6_f64)) {
+            let mappings = vec![Mapping { ours: "x_motor_mm".to_owned(), theirs: "1".to_owned() }];
+            let request = Request { mappings, units: Vec::new(), rate_hz: rate };
+            if let Err(error) = of_bytes(text.as_bytes(), "a.txt", &request) {
+                prop_assert_eq!(error.to_string().lines().count(), 1);
+            }
+        }
+    }
+}
