@@ -1,11 +1,9 @@
 //! Which column is which channel.
 
-use std::str::FromStr;
-
 use files::error::{InputError, quoted};
 use files::log::{Channel, Unit, channel_of};
 
-use crate::Request;
+use crate::request::{Mapping, Request};
 use crate::table::{ForeignColumn, ForeignTable, Writer};
 use crate::unit::Quantity;
 
@@ -20,52 +18,6 @@ const TIME_NAMES: [&str; 6] = [TIME, "time", "t", "timestamp", "zeit", "temps"];
 
 /// Least likeness of two names of which one may be a misspelling of the other.
 const LIKENESS: f64 = 0.8;
-
-/// A channel and the column that holds it: `x_command_mm=X cmd`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Mapping {
-    /// Our name.
-    pub ours: String,
-    /// Name in the file.
-    pub theirs: String,
-}
-
-impl FromStr for Mapping {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (ours, theirs) = pair(text, "OURS=THEIRS")?;
-        Ok(Self { ours, theirs })
-    }
-}
-
-/// The unit of a column of the file: `x_command_mm=inch`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct UnitOf {
-    /// Our name.
-    pub ours: String,
-    /// The unit of its column.
-    pub unit: String,
-}
-
-impl FromStr for UnitOf {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (ours, unit) = pair(text, "OURS=UNIT")?;
-        Ok(Self { ours, unit })
-    }
-}
-
-fn pair(text: &str, expected: &str) -> Result<(String, String), String> {
-    let parts = text.split_once('=').map(|(ours, theirs)| (ours.trim(), theirs.trim()));
-    match parts {
-        Some((ours, theirs)) if !ours.is_empty() && !theirs.is_empty() => {
-            Ok((ours.to_owned(), theirs.to_owned()))
-        }
-        _ => Err(format!("expected {expected}")),
-    }
-}
 
 /// The column of times.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,7 @@
 //! - [`text`]: bytes to lines, in the encoding of the file
 //! - [`dialect`]: the separator of the columns and the decimal sign
 //! - [`table`]: header, units, comments and rows; the [`Writer`](table::Writer) is recognised by content
-//! - [`columns`]: which column is which channel, with the [`unit`] of each
+//! - [`columns`]: by the [`request`] of the user, which column is which channel, with the [`unit`] of each
 //! - [`clock`]: the times of a uniform clock; lost, repeated and late rows are counted and bridged
 //!
 //! Nothing is invented: a channel that is not mapped is not in the log, and a time that neither the file nor the user gives is asked for.
@@ -13,6 +13,7 @@
 pub mod clock;
 pub mod columns;
 pub mod dialect;
+pub mod request;
 pub mod table;
 pub mod text;
 pub mod unit;
@@ -22,19 +23,8 @@ use std::path::Path;
 use files::error::InputError;
 use files::log::Log;
 
-use columns::{Mapping, UnitOf};
+use request::Request;
 use table::ForeignTable;
-
-/// What the user says of a file.
-#[derive(Clone, Debug, Default)]
-pub struct Request {
-    /// Which column is which channel.
-    pub mappings: Vec<Mapping>,
-    /// Units that the file does not say, or says wrongly.
-    pub units: Vec<UnitOf>,
-    /// Samples per second, if the file has no times.
-    pub rate_hz: Option<f64>,
-}
 
 /// A log, and what was assumed and changed on the way to it.
 #[derive(Clone, Debug)]
@@ -71,6 +61,7 @@ pub fn of_bytes(bytes: &[u8], source: &str, request: &Request) -> Result<Importe
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use request::Mapping;
 
     proptest! {
         /// Any text is a log or one line of an error.

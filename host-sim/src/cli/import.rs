@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 
 use super::outputs::{Output, check_outputs, print};
-use ::import::Request;
-use ::import::columns::{Mapping, UnitOf};
+use ::import::request::{Mapping, Request, UnitOf};
 use files::error::{InputError, quoted};
 
 /// Arguments of `import`.
