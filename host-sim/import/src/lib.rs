@@ -5,7 +5,7 @@
 //! - [`text`]: bytes to lines, in the encoding of the file
 //! - [`dialect`]: the separator of the columns and the decimal sign
 //! - [`table`]: header, units, comments and rows; the [`Writer`](table::Writer) is recognised by content
-//! - [`columns`]: by the [`request`] of the user, which column is which channel, with the [`unit`] of each
+//! - [`columns`]: by the [`request`] of the user, which column is which channel, with the [`unit`](mod@unit) of each
 //! - [`clock`]: the times of a uniform clock; lost, repeated and late rows are counted and bridged
 //!
 //! Nothing is invented: a channel that is not mapped is not in the log, and a time that neither the file nor the user gives is asked for.
