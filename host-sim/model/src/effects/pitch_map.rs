@@ -19,7 +19,7 @@ use crate::position_curve::PositionCurve;
 /// reversal the motor crosses the gap, so that the position remains continuous. A width below zero counts as zero.
 ///
 /// Mean and slope of the mean error over the knots are not fitted, as they are the zero of the scale and a
-/// [`PitchProgressive`](super::PitchProgressive); nor is the mean width, which is that of the backlash.
+/// [`PitchProgressive`]; nor is the mean width, which is that of the backlash.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PitchMap {
