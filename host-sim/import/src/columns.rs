@@ -1,7 +1,7 @@
 //! Which column is which channel.
 
 use files::error::{InputError, quoted};
-use files::log::{Channel, Unit, channel_of};
+use files::log::{ALLOWED, AxisLog, Channel, Unit, channel_of};
 
 use crate::request::{Mapping, Request};
 use crate::table::{ForeignColumn, ForeignTable, Writer};
@@ -9,9 +9,6 @@ use crate::unit::Quantity;
 
 /// Our name of the column of times.
 pub const TIME: &str = "time_s";
-
-/// What our columns may be called, for messages.
-const ALLOWED: &str = "time_s, NAME_command|motor|table|tool_mm|deg or NAME_force|added_force_n|nm";
 
 /// Names of columns of times that need no mapping.
 const TIME_NAMES: [&str; 6] = [TIME, "time", "t", "timestamp", "zeit", "temps"];
@@ -146,9 +143,7 @@ fn unknown(ours: &str) -> InputError {
     let axis = ours.split('_').next().unwrap_or_default();
     let names: Vec<String> = Channel::ALL
         .into_iter()
-        .flat_map(|channel| {
-            Unit::ALL.map(|unit| format!("{axis}_{}_{}", channel.word(), unit.suffix(channel)))
-        })
+        .flat_map(|channel| Unit::ALL.map(|unit| AxisLog::new(axis, unit).column(channel)))
         .chain([TIME.to_owned()])
         .collect();
     let expected = match likely(ours, names.iter().map(String::as_str)) {

@@ -68,16 +68,17 @@ impl ForeignTable {
             let found = texts.first().map_or("an empty file".to_owned(), |line| quoted(line));
             return Err(InputError::expected(source, "rows of numbers", found));
         };
-        let width = usual_width(dialect, &texts);
-        let is_row = |line: &str| dialect.numbers(line).filter(|numbers| numbers.len() == width);
-        let first = texts.iter().position(|line| is_row(line).is_some()).unwrap_or(0);
+        let parsed: Vec<Option<Vec<f64>>> = texts.iter().map(|line| dialect.numbers(line)).collect();
+        let width = usual_width(&parsed);
+        let is_row = |numbers: &Vec<f64>| numbers.len() == width;
+        let first = parsed.iter().position(|row| row.as_ref().is_some_and(is_row)).unwrap_or(0);
         let header = Header::of(dialect, &texts[..first], width);
         let header_line = lines[first.saturating_sub(usize::from(header.is_some()))].0;
         let mut columns = vec![Vec::new(); width];
         let mut skipped: Vec<Line<'_>> = Vec::new();
-        for &(number, line) in &lines[first..] {
-            let Some(row) = is_row(line) else {
-                skipped.push((number, line));
+        for (&line, row) in lines.iter().zip(parsed).skip(first) {
+            let Some(row) = row.filter(is_row) else {
+                skipped.push(line);
                 continue;
             };
             columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
@@ -109,12 +110,10 @@ impl ForeignTable {
 }
 
 /// The number of cells that most rows of numbers have.
-fn usual_width(dialect: Dialect, texts: &[&str]) -> usize {
+fn usual_width(parsed: &[Option<Vec<f64>>]) -> usize {
     let mut counts = std::collections::BTreeMap::new();
-    for line in texts {
-        if let Some(numbers) = dialect.numbers(line) {
-            *counts.entry(numbers.len()).or_insert(0usize) += 1;
-        }
+    for numbers in parsed.iter().flatten() {
+        *counts.entry(numbers.len()).or_insert(0usize) += 1;
     }
     counts.into_iter().max_by_key(|(_, count)| *count).map_or(0, |(width, _)| width)
 }
@@ -127,9 +126,8 @@ fn is_comment(line: &str) -> bool {
 
 /// The sampling period of a line `# Sampling period is 1000000 nSec`, s.
 fn sampling_period_s(line: &str) -> Option<f64> {
-    let (_, rest) =
-        line.to_lowercase().split_once("sampling period is").map(|(a, b)| (a.len(), b.to_owned()))?;
-    let mut words = rest.split_whitespace();
+    let line = line.to_lowercase();
+    let mut words = line.split_once("sampling period is")?.1.split_whitespace();
     let (number, unit) = (words.next()?.parse::<f64>().ok()?, words.next()?);
     unit::Quantity::Time.factor(unit).map(|factor| factor * number).filter(|period_s| *period_s > 0.0)
 }

@@ -10,7 +10,7 @@ mod write;
 
 use std::ops::Range;
 
-pub use read::channel_of;
+pub use read::{ALLOWED, channel_of};
 pub use write::{Rows, write_rows};
 
 /// Units of an axis's positions and forces.
@@ -145,7 +145,9 @@ impl AxisLog {
         }
     }
 
-    fn column(&self, channel: Channel) -> String {
+    /// Name of the column of a channel.
+    #[must_use]
+    pub fn column(&self, channel: Channel) -> String {
         format!("{}_{}_{}", self.name, channel.word(), self.unit.suffix(channel))
     }
 

@@ -9,7 +9,8 @@ use crate::error::{InputError, quoted, shortened};
 use crate::table::Table;
 
 const TIME: &str = "time_s";
-const ALLOWED: &str = "time_s, NAME_command|motor|table|tool_mm|deg or NAME_force|added_force_n|nm";
+/// What the columns of a log may be called, for messages.
+pub const ALLOWED: &str = "time_s, NAME_command|motor|table|tool_mm|deg or NAME_force|added_force_n|nm";
 
 impl Log {
     /// Reads a log; `-` is standard input, and gzip is recognised by the suffix or the first bytes.
