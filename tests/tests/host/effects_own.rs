@@ -2,33 +2,18 @@
 //! reports names one. What they need to know of it, it declares.
 
 use std::fs;
-use std::path::{Path, PathBuf};
 
 use model::effects::names;
 
+use crate::documents::{sources, workspace};
 use crate::module_circles::paths::Paths;
 
 /// The types of the effects, from the list of the catalogue.
 fn types() -> Vec<String> {
-    let catalogue = fs::read_to_string(root().join("host-sim/model/src/effects/mod.rs")).unwrap();
+    let catalogue = fs::read_to_string(workspace().join("host-sim/model/src/effects/mod.rs")).unwrap();
     let (_, list) = catalogue.split_once("catalogue! {").unwrap();
     let (list, _) = list.split_once('}').unwrap();
     list.split(',').map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).collect()
-}
-
-/// All Rust files under a folder.
-fn files(folder: &Path) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let of_entry = |path: PathBuf| match path.extension() {
-        Some(extension) if extension == "rs" => vec![path],
-        _ if path.is_dir() => files(&path),
-        _ => Vec::new(),
-    };
-    entries.flat_map(of_entry).collect()
-}
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
 
 /// What a source text names of the effects, without comments and tests: imported types, variants of `Effect` (in macros as well), and
@@ -53,11 +38,8 @@ fn no_file_of_tracer_compensation_and_reports_names_an_effect() {
     assert!(types.len() >= names().len());
     let mut read = 0;
     for folder in ["trace", "compensate", "report", "improve", "contour", "pages"] {
-        for file in files(&root().join("host-sim").join(folder).join("src")) {
-            if file
-                .components()
-                .any(|part| ["tests", "tests.rs"].contains(&part.as_os_str().to_str().unwrap()))
-            {
+        for file in sources(&workspace().join("host-sim").join(folder).join("src")) {
+            if file.ends_with("tests.rs") {
                 continue;
             }
             let named = named(&fs::read_to_string(&file).unwrap(), &types);
