@@ -65,8 +65,8 @@ impl EffectModel for Backlash {
 
     /// A gap that varies along the travel is a backlash, its mean, with a map whose curves for both directions differ. Where it varies by
     /// a large part of its mean, a constant one makes some logs worse and is refused.
-    fn variation(&self, residual: &ResidualShape, travel_mm: [f64; 2]) -> Option<AnyEffect> {
-        let knots = residual.pitch_knots_each_way?;
+    fn variation(&self, residual: &dyn Fn() -> ResidualShape, travel_mm: [f64; 2]) -> Option<AnyEffect> {
+        let knots = residual().pitch_knots_each_way?;
         Some(AnyEffect::new(PitchMap::without_error(travel_mm, knots, true)))
     }
 

@@ -57,7 +57,7 @@ impl EffectModel for ConstantLoad {
     }
 
     fn compensation(&self) -> EffectCompensation {
-        EffectCompensation::by("the load over the position is part of the force feed-forward")
+        EffectCompensation::LOAD
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -1,12 +1,10 @@
 //! Second-order error of a rotary encoder: an error of the motor reading with two periods per turn.
 
-use std::f64::consts::PI;
-
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
     AnyEffect, EffectCompensation, EffectContext, EffectModel, Imitation, ImitationContext, Neighbours,
-    PeriodicError, PositionWave, Prerequisite, Stage, Unit, Wording, harmonic_effect,
+    PeriodicError, Prerequisite, Stage, Unit, Wording, harmonic_effect,
 };
 use super::scale_cyclic::ScaleCyclic;
 use crate::axis::Settings;
@@ -65,24 +63,16 @@ impl EffectModel for EncoderEllipticity {
         context.rival_wave(Imitation::SCREW_WAVE)
     }
 
-    fn wave(&self) -> Option<PositionWave> {
-        let Self { amplitude_um, period_mm, .. } = *self;
-        Some(PositionWave { amplitude_um, period_mm })
+    fn wave(&self) -> Option<PeriodicError> {
+        Some(self.error())
     }
 
     fn of_scale(&self) -> Option<AnyEffect> {
-        let Self { amplitude_um, period_mm, phase_rad, .. } = *self;
-        let fitted_period_mm = None;
-        Some(AnyEffect::new(ScaleCyclic {
-            amplitude_um,
-            period_mm,
-            phase_rad: phase_rad + PI,
-            fitted_period_mm,
-        }))
+        Some(AnyEffect::new(ScaleCyclic::of(self.error().reversed(), None)))
     }
 
     fn compensation(&self) -> EffectCompensation {
-        EffectCompensation::by("the periodic error is subtracted from the motor reading")
+        EffectCompensation::READING_WAVE
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -73,8 +73,8 @@ use declaration::{AnyEffect, EntryValue, catalogue};
 pub use declaration::{
     Abscissa, Channel, Coordinate, Distinction, Draw, EffectCompensation, EffectContext, EffectModel, Found,
     Imitation, ImitationContext, LEAST_SLOPE_UM_PER_M, Misplaced, Mode, Neighbours, Occurrence, Parameter,
-    PeriodicError, Placement, PositionWave, Prerequisite, ResidualShape, ResidualWave, SlopeOf, Stage,
-    Substitute, Timing, Unit, WaveOf, Wording, harmonic,
+    PeriodicError, Placement, Prerequisite, ResidualShape, ResidualWave, SlopeOf, Stage, Substitute, Timing,
+    Unit, WaveOf, Wording, harmonic,
 };
 
 pub use backlash::Backlash;
@@ -275,5 +275,22 @@ mod tests {
         let preload =
             "name = 'preload_variation'\ncentre_mm = 5\nslope_n_per_m = 2\ncurvature_n_per_m2 = 0.5";
         assert!(sentence(preload, true).contains("about 5.000°: slope 2.000 N·m per 1000°"));
+    }
+
+    #[test]
+    fn an_effect_is_compensated_or_has_its_reason() {
+        let intalk = Effect::Intalk(Intalk::default()).compensation();
+        assert!(
+            matches!(intalk, EffectCompensation::Compensated { does, .. } if does.contains("acceleration"))
+        );
+        let resonance = Resonance::of_tool(62.5, 0.02);
+        assert!(resonance.compensation().description().contains("smoothing_s = 0.0160,"));
+        let latency = Latency { channel: Channel::Tool, ms: 1.0 };
+        for effect in [Effect::DriveLag(DriveLag::default()), Effect::Latency(latency)] {
+            let EffectCompensation::Not { why, .. } = effect.compensation() else {
+                panic!("{effect:?} is compensated")
+            };
+            assert!(!why.is_empty());
+        }
     }
 }

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::declaration::{
     AnyEffect, Draw, EffectCompensation, EffectContext, EffectModel, Found, Imitation, ImitationContext,
-    Neighbours, PeriodicError, PositionWave, Prerequisite, Stage, Substitute, Unit, WaveOf, Wording,
-    harmonic, harmonic_effect,
+    Neighbours, PeriodicError, Prerequisite, Stage, Substitute, Unit, WaveOf, Wording, harmonic,
+    harmonic_effect,
 };
 use super::scale_cyclic::ScaleCyclic;
 use crate::axis::Settings;
@@ -87,15 +87,12 @@ impl EffectModel for PitchCyclic {
         if repeats_with_motor { context.rival_wave(Imitation::READING_WAVE) } else { Vec::new() }
     }
 
-    fn wave(&self) -> Option<PositionWave> {
-        let Self { amplitude_um, period_mm, .. } = *self;
-        Some(PositionWave { amplitude_um, period_mm })
+    fn wave(&self) -> Option<PeriodicError> {
+        Some(self.error())
     }
 
     fn of_scale(&self) -> Option<AnyEffect> {
-        let Self { amplitude_um, period_mm, phase_rad, .. } = *self;
-        let fitted_period_mm = self.fitted_period_mm;
-        Some(AnyEffect::new(ScaleCyclic { amplitude_um, period_mm, phase_rad, fitted_period_mm }))
+        Some(AnyEffect::new(ScaleCyclic::of(self.error(), self.fitted_period_mm)))
     }
 
     fn compensation(&self) -> EffectCompensation {

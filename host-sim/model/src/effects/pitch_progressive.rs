@@ -55,7 +55,7 @@ impl EffectModel for PitchProgressive {
     }
 
     fn compensation(&self) -> EffectCompensation {
-        EffectCompensation::by("the error over the position is subtracted from the command")
+        EffectCompensation::OVER_POSITION
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -76,7 +76,7 @@ impl EffectModel for PositionLoad {
     }
 
     fn compensation(&self) -> EffectCompensation {
-        EffectCompensation::by("the load over the position is part of the force feed-forward")
+        EffectCompensation::LOAD
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -1,13 +1,11 @@
 //! Dividing error of the resolver: an error of the motor reading that repeats with every electrical period.
 
-use std::f64::consts::PI;
-
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
     AnyEffect, Draw, EffectCompensation, EffectContext, EffectModel, Found, Imitation, ImitationContext,
-    Neighbours, PeriodicError, PositionWave, Prerequisite, Stage, Substitute, Unit, WaveOf, Wording,
-    harmonic, harmonic_effect,
+    Neighbours, PeriodicError, Prerequisite, Stage, Substitute, Unit, WaveOf, Wording, harmonic,
+    harmonic_effect,
 };
 use super::scale_cyclic::ScaleCyclic;
 use crate::axis::Settings;
@@ -94,24 +92,16 @@ impl EffectModel for ResolverDividing {
         context.rival_wave(Imitation::SCREW_WAVE)
     }
 
-    fn wave(&self) -> Option<PositionWave> {
-        let Self { amplitude_um, period_mm, .. } = *self;
-        Some(PositionWave { amplitude_um, period_mm })
+    fn wave(&self) -> Option<PeriodicError> {
+        Some(self.error())
     }
 
     fn of_scale(&self) -> Option<AnyEffect> {
-        let Self { amplitude_um, period_mm, phase_rad, .. } = *self;
-        let fitted_period_mm = self.fitted_period_mm;
-        Some(AnyEffect::new(ScaleCyclic {
-            amplitude_um,
-            period_mm,
-            phase_rad: phase_rad + PI,
-            fitted_period_mm,
-        }))
+        Some(AnyEffect::new(ScaleCyclic::of(self.error().reversed(), self.fitted_period_mm)))
     }
 
     fn compensation(&self) -> EffectCompensation {
-        EffectCompensation::by("the periodic error is subtracted from the motor reading")
+        EffectCompensation::READING_WAVE
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -23,6 +23,13 @@ pub struct ScaleCyclic {
 }
 
 impl ScaleCyclic {
+    /// The effect with a given error, whose period is fitted within a range (mm) or known.
+    #[must_use]
+    pub const fn of(error: PeriodicError, fitted_period_mm: Option<[f64; 2]>) -> Self {
+        let PeriodicError { amplitude_um, period_mm, phase_rad } = error;
+        Self { amplitude_um, period_mm, phase_rad, fitted_period_mm }
+    }
+
     /// Reading − table, at a table position.
     #[must_use]
     pub const fn error(&self) -> PeriodicError {

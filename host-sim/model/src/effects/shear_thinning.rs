@@ -80,10 +80,7 @@ impl EffectModel for ShearThinning {
     }
 
     fn compensation(&self) -> EffectCompensation {
-        EffectCompensation::not(
-            "the force feed-forward has no friction that falls towards standstill or depends on the past speed",
-            "check the lubricant, or move at speeds at which its film carries",
-        )
+        EffectCompensation::LUBRICANT
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -68,9 +68,7 @@ impl EffectModel for Squareness {
     }
 
     fn compensation(&self) -> EffectCompensation {
-        EffectCompensation::by(
-            "the displacement over the other axis's position is subtracted from the command",
-        )
+        EffectCompensation::OVER_OTHER_POSITION
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -93,10 +93,7 @@ impl EffectModel for VelocityLag {
     }
 
     fn compensation(&self) -> EffectCompensation {
-        EffectCompensation::not(
-            "the delay is in the drive's own velocity reading",
-            "reduce the averaging of the velocity in the drive",
-        )
+        EffectCompensation::VELOCITY_READING
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -3,10 +3,10 @@
 
 use super::alternatives::with_better_alternatives;
 use super::ambiguity::{is_special_form, prefer_fewer_parameters, rivals};
-use super::bump_of_shape::bump_in_place_of_shape;
 use super::candidates::{Candidate, Reference, rank};
 use super::companion::{is_companion, is_remainder};
 use super::held_out::{compare, scores};
+use super::local_defect::local_defect;
 use super::loop_check::LoopCheck;
 use super::mass_check::takes_place_of_mass;
 use super::missing_effects::missing_effects;
@@ -99,7 +99,7 @@ impl EffectSearch<'_> {
             }
             let is_full = exclusions.len() >= self.data.options.exclusion.max_count;
             if new.is_empty() && !is_full {
-                new.extend(bump_in_place_of_shape(&data, &fitted, scope));
+                new.extend(local_defect(&data, &fitted, scope));
             }
             if new.is_empty() || is_full {
                 if !exclusions.is_empty() {

@@ -8,12 +8,12 @@
 pub mod alternatives;
 pub mod ambiguity;
 pub mod assumption;
-pub mod bump_of_shape;
 pub mod candidates;
 pub mod companion;
 pub mod distinguishing_motion;
 pub mod effect_search;
 pub mod held_out;
+pub mod local_defect;
 pub mod loop_check;
 pub mod mass_check;
 pub mod missing_effects;

@@ -127,13 +127,13 @@ macro_rules! catalogue {
 
             /// See [`EffectModel::variation`].
             #[must_use]
-            pub fn variation(&self, residual: &ResidualShape, travel_mm: [f64; 2]) -> Option<Self> {
+            pub fn variation(&self, residual: &dyn Fn() -> ResidualShape, travel_mm: [f64; 2]) -> Option<Self> {
                 match self { $(Self::$variant(e) => e.variation(residual, travel_mm).and_then(|any| Self::of_any(&any)),)+ }
             }
 
             /// See [`EffectModel::refined`].
             #[must_use]
-            pub fn refined(&self, residual: &ResidualShape) -> Option<Self> {
+            pub fn refined(&self, residual: &dyn Fn() -> ResidualShape) -> Option<Self> {
                 match self { $(Self::$variant(e) => e.refined(residual).map(Self::$variant),)+ }
             }
 
@@ -169,13 +169,13 @@ macro_rules! catalogue {
 
             /// See [`EffectModel::wave`].
             #[must_use]
-            pub fn wave(&self) -> Option<PositionWave> {
+            pub fn wave(&self) -> Option<PeriodicError> {
                 match self { $(Self::$variant(e) => e.wave(),)+ }
             }
 
             /// See [`EffectModel::leaves`].
             #[must_use]
-            pub fn leaves(&self, wave: PositionWave) -> bool {
+            pub fn leaves(&self, wave: PeriodicError) -> bool {
                 match self { $(Self::$variant(e) => e.leaves(wave),)+ }
             }
 

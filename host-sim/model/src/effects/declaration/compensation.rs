@@ -23,6 +23,31 @@ impl EffectCompensation {
     /// Compensation of an effect by its part in the force feed-forward.
     pub const FRICTION: Self = Self::by("its friction is part of the force feed-forward");
 
+    /// An error over the position of the axis itself.
+    pub const OVER_POSITION: Self = Self::by("the error over the position is subtracted from the command");
+
+    /// A periodic error of the motor's reading.
+    pub const READING_WAVE: Self = Self::by("the periodic error is subtracted from the motor reading");
+
+    /// A load on the table.
+    pub const LOAD: Self = Self::by("the load over the position is part of the force feed-forward");
+
+    /// An error over the position of the other axis.
+    pub const OVER_OTHER_POSITION: Self =
+        Self::by("the displacement over the other axis's position is subtracted from the command");
+
+    /// A delay of the drive's velocity.
+    pub const VELOCITY_READING: Self = Self::not(
+        "the delay is in the drive's own velocity reading",
+        "reduce the averaging of the velocity in the drive",
+    );
+
+    /// Friction of a lubricant that depends on more than the load.
+    pub const LUBRICANT: Self = Self::not(
+        "the force feed-forward has no friction that falls towards standstill or depends on the past speed",
+        "check the lubricant, or move at speeds at which its film carries",
+    );
+
     /// A delay outside the controller's settings.
     pub const DELAY: Self = Self::not(
         "the delay is in the computation, the bus or the drive",

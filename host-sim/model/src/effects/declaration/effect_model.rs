@@ -9,11 +9,11 @@ use super::context::{EffectContext, Misplaced, Neighbours, Placement, Prerequisi
 use super::coordinate::Coordinate;
 use super::draw::Draw;
 use super::found::{Found, Substitute};
+use super::harmonic::PeriodicError;
 use super::identity::{Distinction, Occurrence};
 use super::imitation::{Imitation, ImitationContext};
 use super::mode::Mode;
 use super::parameter::Parameter;
-use super::position_wave::PositionWave;
 use super::residual_shape::ResidualShape;
 use super::slope::SlopeOf;
 use super::stage::Stage;
@@ -135,15 +135,16 @@ pub trait EffectModel: Sized + Clone {
         None
     }
 
-    /// An effect that describes how this one varies over the position, with what its residual shows there and the travel, mm. Both are
-    /// tried together if this one alone is not supported.
-    fn variation(&self, _residual: &ResidualShape, _travel_mm: [f64; 2]) -> Option<AnyEffect> {
+    /// An effect that describes how this one varies over the position, by what its residual shows there and the travel, mm. Both are
+    /// tried together if this one alone is not supported. The shape of the residual takes long to compute: it is asked for where it is
+    /// needed.
+    fn variation(&self, _residual: &dyn Fn() -> ResidualShape, _travel_mm: [f64; 2]) -> Option<AnyEffect> {
         None
     }
 
     /// This effect with a finer resolution, if the residual that it leaves supports one.
     #[must_use]
-    fn refined(&self, _residual: &ResidualShape) -> Option<Self> {
+    fn refined(&self, _residual: &dyn Fn() -> ResidualShape) -> Option<Self> {
         None
     }
 
@@ -174,12 +175,12 @@ pub trait EffectModel: Sized + Clone {
     }
 
     /// The wave over the position of the screw that the effect is.
-    fn wave(&self) -> Option<PositionWave> {
+    fn wave(&self) -> Option<PeriodicError> {
         None
     }
 
     /// Whether a wave is no larger than what this effect leaves of the same part of the machine: a remainder.
-    fn leaves(&self, _wave: PositionWave) -> bool {
+    fn leaves(&self, _wave: PeriodicError) -> bool {
         false
     }
 

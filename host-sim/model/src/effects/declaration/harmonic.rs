@@ -27,6 +27,21 @@ impl PeriodicError {
     pub fn error_m(&self, position_m: f64) -> f64 {
         1e-6 * self.amplitude_um * wave(1e3 * position_m, self.period_mm, self.phase_rad)
     }
+
+    /// The error with the opposite sign.
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        Self { phase_rad: self.phase_rad + PI, ..self }
+    }
+
+    /// Whether the period is no whole fraction of the lead (mm).
+    #[must_use]
+    pub fn has_own_period(&self, lead_mm: Option<f64>) -> bool {
+        lead_mm.is_none_or(|lead_mm| {
+            let order = lead_mm / self.period_mm;
+            (order - order.round()).abs() > 1e-6 * order
+        })
+    }
 }
 
 /// Periods of the harmonics from order 1 to the highest order.
@@ -192,6 +207,12 @@ mod tests {
     use crate::axis::Settings;
     use crate::effects::{ResidualShape, ResidualWave, Stage};
     use shared::config::Rates;
+
+    #[test]
+    fn without_a_lead_every_period_is_its_own() {
+        let error = PeriodicError { amplitude_um: 1.0, period_mm: 20.0, phase_rad: 0.0 };
+        assert!(error.has_own_period(None) && !error.has_own_period(Some(20.0)));
+    }
 
     /// Over a travel of 300 mm, waves of 37 mm (belt), 3.205 mm (93.60 waves; a fifth of a lead of 16 mm: 93.75), 8 mm (an order
     /// that is tried in any case), and 3.3 mm (90.9 waves, far from 93.75).

@@ -13,7 +13,7 @@ use model::effects::Effect;
 /// error of the pitch but a defect at its place, or a disturbance there. It must describe the logs about as well as the effect: half
 /// a wave of a pitch error resembles a bump.
 #[must_use]
-pub fn bump_in_place_of_shape(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> Option<Exclusion> {
+pub fn local_defect(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> Option<Exclusion> {
     let shaped = |effect: &Effect| {
         let is_asked = !effect.depends_on_direction() && scope.holds(effect);
         effect.describes_any_shape_of().filter(|_| is_asked)
