@@ -16,6 +16,17 @@ pub fn folders() -> Option<Vec<PathBuf>> {
     Some(folders)
 }
 
+/// The folders of the cases with little knowledge, sorted. `None` where there are no data.
+///
+/// # Panics
+/// If there are fewer than six.
+#[must_use]
+pub fn sparse_folders() -> Option<Vec<PathBuf>> {
+    let folders = sorted(&data_folder("cases-sparse")?);
+    assert!(folders.len() >= 6, "{} cases", folders.len());
+    Some(folders)
+}
+
 /// The logs of a case whose names begin with a prefix, sorted.
 #[must_use]
 pub fn logs(folder: &Path, prefix: &str) -> Vec<PathBuf> {

@@ -3,7 +3,7 @@
 use shared::config::{self, AxisSettings, LowPass, Notch, ScaleLimits};
 use shared::interpolate::Smoothing;
 
-use crate::axis::{Controller, Feedback, Filters, Law, Limits, Sensors, Settings};
+use crate::axis::{Controller, Drive, Feedback, Filters, Law, Limits, Sensors, Settings};
 use crate::effects::{
     ComputationDelay, DriveDeadTime, DriveLag, Effect, FeedforwardMismatch, IntegralTimeMismatch, LoopDelay,
     PositionDelay, ServoMismatch, VelocityFilter, VelocityGainMismatch, VelocityLag,
@@ -14,6 +14,19 @@ pub const FOLLOWING_ERROR_LIMIT_M: f64 = 0.13;
 
 /// Force limit of an axis that declares none, N.
 const UNLIMITED_N: f64 = 1e5;
+
+/// A drive of which the machine file declares only that its velocity, or its position, is commanded. Absent: zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct VelocityDrive {
+    /// τ, the moved mass divided by the gain of the drive's velocity loop, s.
+    pub time_constant_s: f64,
+    /// 1/Ti of its integral part, 1/s.
+    pub integral_per_s: f64,
+    /// Time from the command to the motor, s.
+    pub dead_time_s: f64,
+    /// Coulomb friction over the moved mass, m/s².
+    pub friction_m_per_s2: f64,
+}
 
 /// Effects in the controller.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,6 +58,8 @@ pub struct ServoParameters {
     pub drive_late_s: f64,
     /// Semi-implicit step of the controller's filter, s; 0: exact discretization.
     pub filter_step_s: f64,
+    /// A drive that is not commanded by a force.
+    pub velocity_drive: VelocityDrive,
 }
 
 impl ServoParameters {
@@ -114,6 +129,9 @@ impl ServoParameters {
 /// The missing key.
 pub fn settings(axis: &Settings, effects: &ServoParameters) -> Result<AxisSettings, &'static str> {
     let Settings { controller, filters, limits, sensors, .. } = axis;
+    if controller.drive != Drive::Torque {
+        return Err("drive = \"torque\"");
+    }
     let law = match controller.law.ok_or("controller")? {
         Law::P => config::Law::P,
         Law::Hpc => config::Law::Hpc,

@@ -3,9 +3,9 @@
 
 use model::axis::Mechanics;
 use model::effects::{
-    Channel, ConstantLoad, Crosstalk, DriveAsymmetry, Effect, EffectModel, ForceWindup, Intalk, Latency,
-    Mode, MotorStribeck, PeriodicError, PositionLoad, Resonance, Squareness, Straightness, ThermalDrift,
-    ThermalRate, TorqueRipple,
+    Channel, ConstantLoad, Crosstalk, DriveAsymmetry, Effect, EffectModel, ForceWindup, InertialWindup,
+    Intalk, Latency, LoadAngle, LostMotion, Mode, MotorStribeck, PeriodicError, PositionLoad, Resonance,
+    Squareness, Straightness, ThermalDrift, ThermalRate, TorqueRipple,
 };
 use model::machine::{Axis, Machine};
 
@@ -17,6 +17,12 @@ use super::screw::{Screw, Spring};
 use model::bodies;
 use model::residual_table::ResidualTable;
 use model::servo::ServoParameters;
+
+/// Stretch of a drive train that is practically rigid, m per m/s²: 10 nm under 1 m/s².
+const LEAST_STRETCH_S2: f64 = 1e-8;
+
+/// Damping ratio of a drive train of which nothing is known.
+const DRIVE_TRAIN_DAMPING: f64 = 0.05;
 
 /// The parameters of one axis, SI. Motor quantities are reflected to the table by the lead.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -35,6 +41,12 @@ pub struct AxisParameters {
     pub spring: Option<Spring>,
     /// Wind-up under the measured force, for an axis whose masses are not known. Not simulated.
     pub forced_windup: Option<ForceWindup>,
+    /// Wind-up under acceleration, for an axis whose masses and stiffness are not known. Not simulated.
+    pub inertial_windup: InertialWindup,
+    /// Gap and stretch under friction together, of such an axis. Not simulated.
+    pub lost_motion: LostMotion,
+    /// Errors of a stepper motor. Not simulated.
+    pub stepper: Stepper,
     /// Friction of the guideway.
     pub friction: Friction,
     /// Forces on the table that do not depend on its motion.
@@ -55,6 +67,15 @@ pub struct AxisParameters {
     pub latency: Vec<Latency>,
     /// Residuals of the logged channels that no effect describes.
     pub residual_tables: Vec<ResidualTable>,
+}
+
+/// How a stepper motor deviates from its command.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stepper {
+    /// Periodic errors of the microsteps.
+    pub microsteps: Vec<PeriodicError>,
+    /// Lag under friction and acceleration.
+    pub load_angle: LoadAngle,
 }
 
 /// Forces on the table against motion in the + direction that do not depend on its velocity.
@@ -142,7 +163,29 @@ impl AxisParameters {
         for effect in &axis.effect {
             parameters.add(effect);
         }
+        parameters.divide_lost_motion();
         parameters
+    }
+
+    /// Replaces lost motion by a gap; with a friction of the table, also by a unit mass on a spring with this friction: all that acts
+    /// between motor and table then is relative to the mass.
+    fn divide_lost_motion(&mut self) {
+        let lost = std::mem::take(&mut self.lost_motion);
+        if lost.width_um > 0.0 {
+            self.screw.backlash = lost.gap(self.inertial_windup.stretch_s2());
+        }
+        let (Some(friction), Some(presliding_um)) = (lost.friction_m_per_s2, lost.presliding_um) else {
+            return;
+        };
+        let stretch_s2 = self.inertial_windup.stretch_s2().max(LEAST_STRETCH_S2);
+        self.inertial_windup = InertialWindup::default();
+        self.table_mass_kg = 1.0;
+        self.friction.coulomb_n = friction;
+        self.friction.bristle_stiffness_n_per_m = 1e6 * friction / presliding_um;
+        self.spring = Some(Spring {
+            stiffness_n_per_m: 1.0 / stretch_s2,
+            damping_n_s_per_m: 2.0 * DRIVE_TRAIN_DAMPING / stretch_s2.sqrt(),
+        });
     }
 
     fn without_effects(mechanics: &Mechanics) -> Self {
@@ -216,6 +259,10 @@ impl AxisParameters {
             Effect::Resonance(e) => self.tool.resonances.push(e),
             Effect::Latency(e) => self.latency.push(e),
             Effect::Backlash(e) => self.screw.backlash = e,
+            Effect::LostMotion(e) => self.lost_motion = e,
+            Effect::InertialWindup(e) => self.inertial_windup = e,
+            Effect::MicrostepError(e) => self.stepper.microsteps.push(e.error()),
+            Effect::LoadAngle(e) => self.stepper.load_angle = e,
             Effect::PitchProgressive(e) => self.screw.progressive.slope_um_per_m += e.slope_um_per_m,
             Effect::PitchMap(e) => (self.screw.map, self.screw.gap_map) = (e.mean_error(), e.width()),
             Effect::PitchCyclic(e) => self.screw.periodic.push(e.error()),
@@ -265,6 +312,15 @@ impl AxisParameters {
     #[inline]
     pub fn resolver_error_m(&self, motor_m: f64) -> f64 {
         self.resolver.iter().map(|error| error.error_m(motor_m)).sum()
+    }
+
+    /// The axis with the motor as commanded in the place of its reading: the errors of a stepper motor are then those of the reading,
+    /// with the opposite sign.
+    #[must_use]
+    pub fn with_motor_as_commanded(&self) -> Self {
+        let mut parameters = self.clone();
+        parameters.resolver.extend(self.stepper.microsteps.iter().map(|error| error.reversed()));
+        parameters
     }
 
     /// True motor position, m, of a reading (m): the inverse of motor + [`AxisParameters::resolver_error_m`], by two

@@ -71,7 +71,9 @@ pub fn sentence(axis: &str, unit: Unit, found: &FoundEffect) -> String {
     let mut others: Vec<String> = found.rivals.iter().map(|rival| rival.sentence(&[], is_rotary)).collect();
     others.extend(found.imitations.iter().map(|imitation| imitation.clause.to_owned()));
     if !others.is_empty() {
-        let decided_by: Vec<&str> = found.imitations.iter().map(|imitation| imitation.decided_by).collect();
+        let mut decided_by: Vec<&str> =
+            found.imitations.iter().map(|imitation| imitation.decided_by).collect();
+        decided_by.dedup();
         let decided_by = match &decided_by[..] {
             [] => String::new(),
             all => format!("; to tell: {}", all.join("; ")),
@@ -302,7 +304,7 @@ pub fn not_testable(axis: &str, stage: &NotTestable) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use model::axis::{Controller, Mechanics, Sensors, Settings};
+    use model::axis::{Controller, Drive, Mechanics, Sensors, Settings};
     use model::effects::{Effect, EffectContext, KINDS, ResidualShape, Stage, initial_guesses, names};
     use trace::fit::fit_data::FitAndValidationRms;
 
@@ -322,6 +324,7 @@ mod tests {
         };
         let context = EffectContext {
             axis: &axis,
+            logged: model::effects::LoggedChannels::ALL,
             first: true,
             others: &["q".to_owned()],
             stages: &[Stage::Motor, Stage::Table, Stage::Tool, Stage::Force],
@@ -335,12 +338,24 @@ mod tests {
         };
         let alone = EffectContext { stages: &[Stage::Force], ..context };
         let second = EffectContext { first: false, ..context };
+        let stepper = Settings {
+            controller: Controller { drive: Drive::Stepper, ..Controller::default() },
+            mechanics: Mechanics { lead_mm: Some(5.0), ..Mechanics::default() },
+            ..Settings::default()
+        };
+        let logged = model::effects::LoggedChannels { force: false, ..context.logged };
+        let stepper = EffectContext { axis: &stepper, logged, ..context };
         let of_scale =
             ["name = 'scale_gain'\num_per_m = 5", "name = 'scale_cyclic'\namplitude_um = 1\nperiod_mm = 40"]
                 .map(|effect| toml::from_str(effect).unwrap());
-        let mut all =
-            [initial_guesses(&context), initial_guesses(&alone), initial_guesses(&second), of_scale.to_vec()]
-                .concat();
+        let mut all = [
+            initial_guesses(&context),
+            initial_guesses(&alone),
+            initial_guesses(&second),
+            initial_guesses(&stepper),
+            of_scale.to_vec(),
+        ]
+        .concat();
         all.extend(KINDS.iter().flat_map(|kind| (kind.assumed)()));
         let first = |name: &&str| all.iter().find(|effect| effect.name() == *name).unwrap().clone();
         let moved = |effect: Effect| {

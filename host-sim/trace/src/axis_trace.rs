@@ -296,7 +296,7 @@ fn remainder(
                 after: pair(&fit_after, &held_out_after),
                 beside_exclusions: pair(fit_beside, held_out_beside),
                 noise,
-                max_described: fit_data.options.verdict.max_described(noise),
+                max_described: fit_data.max_described(model, stage),
             });
             remainder.repeats.extend(repeatability(fit_data, &fit_after, stage));
             if let Some(found) = unexplained(fit_data, &fit_after, stage, noise) {

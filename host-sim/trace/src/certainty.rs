@@ -6,13 +6,14 @@
 
 use crate::analysis::variable::Variable;
 use crate::displaced_head;
+use crate::input::signals::logged_channels;
 use crate::options::VerdictOptions;
 use crate::outcome::{AxisTrace, StageResidual, Trace};
 use crate::validation::common_noise;
 use crate::validation::declared_value::{self, DeclaredValue};
 use crate::validation::found_effect::{FoundEffect, Remaining};
 use crate::verdict::{self, Verdict};
-use model::effects::{Imitation, ImitationContext, Stage};
+use model::effects::{Imitation, ImitationContext, LoggedChannels, Stage};
 use model::machine::Machine;
 
 /// Largest residual of the motor stage, in multiples of its noise, beside which declared values are told from errors of the loop. A
@@ -35,9 +36,8 @@ pub fn state_doubts(trace: &mut Trace) {
     let jitters = axes.iter().any(has_common_noise);
     let turned_s2 = turned_s2(axes);
     for (number, axis) in axes.iter_mut().enumerate() {
-        // The tool of a log without the table is not used if another log has the table.
-        let has_table = fit_logs.iter().any(|log| log.axes[number].table.is_some());
-        of_axis(axis, machine, Logged { has_table, session_s, jitters, turned_s2 }, &options.verdict);
+        let channels = logged_channels(fit_logs, number);
+        of_axis(axis, machine, Logged { channels, session_s, jitters, turned_s2 }, &options.verdict);
     }
 }
 
@@ -62,8 +62,8 @@ fn is_within_jitter(found: &FoundEffect, errors: &[StageResidual]) -> bool {
 
 /// What is known of the logs of an axis.
 struct Logged {
-    /// Whether the linear scale was logged.
-    has_table: bool,
+    /// Channels of the axis. The tool of a log without the table is not used if another log has the table.
+    channels: LoggedChannels,
     /// Time from the start of the first log to the end of the last one, s.
     session_s: f64,
     /// Whether the rows were read at instants that jitter.
@@ -75,7 +75,7 @@ struct Logged {
 fn of_axis(
     axis: &mut AxisTrace,
     machine: &Machine,
-    Logged { has_table, session_s, jitters, turned_s2 }: Logged,
+    Logged { channels, session_s, jitters, turned_s2 }: Logged,
     options: &VerdictOptions,
 ) {
     let stages: Vec<Stage> = axis.residuals.iter().map(|error| error.stage).collect();
@@ -89,7 +89,7 @@ fn of_axis(
         let context = ImitationContext {
             axis: &declared.settings,
             stages: &stages,
-            has_table,
+            logged: channels,
             rates: machine.rates(),
             half_widths: &found.half_widths,
             fitted_to_declared: &fitted_to_declared,

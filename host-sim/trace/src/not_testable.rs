@@ -25,7 +25,7 @@ pub fn effects_not_testable(
 ) -> Vec<EffectNotTestable> {
     let needs = |kind: &Kind| {
         let prerequisite = (kind.prerequisite)(axis, neighbours);
-        if prerequisite == Prerequisite::NotApplicable {
+        if prerequisite == Prerequisite::NotApplicable || !kind.drives.contains(&axis.controller.drive) {
             return None;
         }
         if !kind.shown_in.iter().any(|stage| testable.contains(stage)) {

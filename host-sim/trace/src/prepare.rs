@@ -6,7 +6,8 @@ use crate::input::parts::Piece;
 use crate::input::saturation;
 use crate::input::signals::Signals;
 use crate::options::TraceOptions;
-use model::machine::Machine;
+use model::axis::Drive;
+use model::machine::{Axis, Machine};
 
 /// What the signals of a piece depend on besides the log.
 #[derive(Clone, Copy, Debug)]
@@ -34,13 +35,19 @@ impl Preparation<'_> {
             has_own_zero: self.first.is_some_and(|first| first != log.source),
             lead_in: piece.lead_in,
             lead_out: piece.lead_out,
-            ..Signals::new(log, self.names, &self.options.samples)
+            ..Signals::of_machine(log, self.names, &self.steppers(), &self.options.samples)
         }];
         saturation::mark(self.machine, &mut signals, &self.options.admission);
         excluded::mark(self.excluded, self.names, &mut signals);
         let [mut signals] = signals;
         signals.estimate_noise_without_faults(&self.options.samples);
         signals
+    }
+
+    /// Names of the axes whose motor is a stepper.
+    fn steppers(&self) -> Vec<String> {
+        let is_stepper = |axis: &Axis| axis.settings.controller.drive == Drive::Stepper;
+        self.machine.axis.iter().filter(|(_, axis)| is_stepper(axis)).map(|(name, _)| name.clone()).collect()
     }
 
     /// These signals with the commands shifted back that are late in a part of a set.

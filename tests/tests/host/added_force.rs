@@ -14,7 +14,7 @@ use shared::compensate::CompensationSettings;
 use shared::scalar::Format;
 use trace::fit::axis_model::AxisModel;
 use trace::fit::fit_data::FitData;
-use trace::fit::scope::{Mechanics, Scope};
+use trace::fit::scope::{Mechanics, Scope, ShownIn};
 use trace::input::signals::Signals;
 use trace::{TraceOptions, trace};
 
@@ -135,7 +135,10 @@ fn stage_of(machine: &Machine, log: &Log, stage: Stage) -> (f64, f64, f64) {
     let logs = [Signals::new(log, &names, &options.samples)];
     let data = FitData::new(&logs, &names, 0, rates, &options);
     let model = AxisModel::new(&machine.axis["x"], rates, options.model);
-    let residuals = data.residuals(&model, &Scope { stages: vec![stage], mechanics: Mechanics::None });
+    let residuals = data.residuals(
+        &model,
+        &Scope { stages: vec![stage], mechanics: Mechanics::None, shown_in: ShownIn::default() },
+    );
     let counts = data.counting(stage, 0);
     let counted: Vec<usize> = (0..log.len()).filter(|&i| counts(i)).collect();
     let added = counted.iter().filter(|i| (ADDED_S[0]..ADDED_S[1]).contains(&(1e-3 * **i as f64))).count();

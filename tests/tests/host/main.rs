@@ -12,6 +12,7 @@ mod demo_seeds;
 mod documented_commands;
 mod documents;
 mod drag;
+mod drives;
 mod effect_table;
 mod effects;
 mod effects_own;

@@ -9,6 +9,8 @@ macro_rules! axis_keys {
         $then! {
             /// Position loop, velocity loop and drive.
             controller: Controller {
+                /// What the position loop commands; absent: a force.
+                drive: Drive,
                 /// Control law of the position loop.
                 law ("controller"): Option<Law>,
                 /// Kp, gain of the position loop.
@@ -89,6 +91,8 @@ macro_rules! axis_keys {
                 plant_tolerance_percent: Option<f64> [UpTo(100.0)],
                 /// Travel per turn of the screw.
                 lead_mm: Option<f64> [Positive],
+                /// Full steps of a stepper motor per turn; absent: 200.
+                full_steps_per_turn: Option<u32> [Positive],
             }
             /// Position sensors and position feedback.
             sensors: Sensors {

@@ -13,6 +13,9 @@ use shared::units::TRAVEL_LIMIT_M;
 use crate::friction_curve::Curve;
 use crate::range::Range::{self, NotNegative, Positive, UpTo};
 
+/// Full steps per turn of most stepper motors: 1.8° each.
+const USUAL_FULL_STEPS: u32 = 200;
+
 /// Control law of the position loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -30,6 +33,34 @@ impl Law {
         match self {
             Self::P => "P",
             Self::Hpc => "HPC",
+        }
+    }
+}
+
+/// What the position loop commands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Drive {
+    /// The force of the motor, by the declared velocity loop.
+    #[default]
+    Torque,
+    /// The velocity of a drive of unknown bandwidth. Neither its gains nor the masses are needed.
+    Velocity,
+    /// The position of a stepper motor, in microsteps: there is no loop.
+    Stepper,
+}
+
+impl Drive {
+    /// All kinds.
+    pub const ALL: &'static [Self] = &[Self::Torque, Self::Velocity, Self::Stepper];
+
+    /// Its name in a machine file.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Torque => "torque",
+            Self::Velocity => "velocity",
+            Self::Stepper => "stepper",
         }
     }
 }
@@ -121,6 +152,16 @@ impl<T: Value> Field for Option<T> {
     }
 }
 
+impl Field for Drive {
+    fn is_given(&self) -> bool {
+        *self != Self::Torque
+    }
+
+    fn number(&self) -> Option<f64> {
+        None
+    }
+}
+
 impl Field for Feedback {
     /// A written file always contains this key.
     fn is_given(&self) -> bool {
@@ -204,6 +245,13 @@ impl Settings {
     #[must_use]
     pub fn has_mass(&self) -> bool {
         self.mechanics.motor_mass_kg.unwrap_or(0.0) + self.mechanics.table_mass_kg.unwrap_or(0.0) > 0.0
+    }
+
+    /// Travel of four full steps of a stepper motor, mm; `None` without a lead.
+    #[must_use]
+    pub fn four_full_steps_mm(&self) -> Option<f64> {
+        let steps = self.mechanics.full_steps_per_turn.unwrap_or(USUAL_FULL_STEPS);
+        Some(4.0 * self.mechanics.lead_mm? / f64::from(steps))
     }
 
     /// Whether motor and table are one mass.

@@ -25,6 +25,9 @@ impl Backlash {
     }
 }
 
+/// Widths with which a fit starts.
+pub const GUESSED_WIDTHS_UM: [f64; 4] = [2.0, 8.0, 25.0, 80.0];
+
 impl EffectModel for Backlash {
     const NAME: &'static str = "backlash";
     const SUMMARY: &'static str = "dead zone between screw and table, given by its total width";
@@ -39,8 +42,8 @@ impl EffectModel for Backlash {
     }
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        let has_table = context.has(Stage::Table);
-        let widths: &[f64] = if has_table { &[2.0, 8.0, 25.0, 80.0] } else { &[] };
+        let is_shown = context.has(Stage::Table) && !context.hides_windup();
+        let widths: &[f64] = if is_shown { &GUESSED_WIDTHS_UM } else { &[] };
         widths.iter().map(|&width_um| Self { width_um }).collect()
     }
 

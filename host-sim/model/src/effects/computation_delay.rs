@@ -8,7 +8,7 @@ use super::declaration::{
     Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Imitation, ImitationContext,
     Occurrence, Parameter, Range, Stage, Unit, Wording,
 };
-use crate::axis::Settings;
+use crate::axis::{Drive, Settings};
 
 /// What the velocity loop computes in one period is output at the start of the next one, or later. The logged force is the one that is
 /// output, and acts at once; where it is logged as computed, the delay is a [`DriveDeadTime`](super::DriveDeadTime).
@@ -31,6 +31,7 @@ impl EffectModel for ComputationDelay {
     const PARAMETERS: &'static [Parameter] = &[Parameter::new("periods", Unit::One, Range::UpTo(8.0))];
     const OCCURRENCE: Occurrence = Occurrence::Once;
     const SHOWN_IN: &'static [Stage] = &[Stage::Motor];
+    const DRIVES: &'static [Drive] = &[Drive::Torque];
 
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Motor]

@@ -8,7 +8,7 @@ use super::declaration::{
     Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Misplaced, Occurrence, Parameter,
     Placement, Range, Stage, Unit, Wording,
 };
-use crate::axis::Settings;
+use crate::axis::{Drive, Settings};
 
 /// True Kf = declared Kf + percent, both in percent of the velocity.
 ///
@@ -29,6 +29,7 @@ impl FeedforwardMismatch {
 impl EffectModel for FeedforwardMismatch {
     const NAME: &'static str = "feedforward_mismatch";
     const SUMMARY: &'static str = "true Kf less the declared one, percentage points";
+    const DRIVES: &'static [Drive] = &[Drive::Torque, Drive::Velocity];
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("percent", Unit::Percent, Range::Within(Self::LARGEST_PERCENT))];
     const OCCURRENCE: Occurrence = Occurrence::Once;

@@ -8,7 +8,7 @@ use super::declaration::{
     Abscissa, EffectCompensation, EffectContext, EffectModel, Misplaced, Neighbours, Placement, Prerequisite,
     Stage, Wording, relative_deviation,
 };
-use crate::axis::Settings;
+use crate::axis::{Drive, Settings};
 
 /// True Ti = declared Ti · (1 + percent/100). The logged force of the last velocity tick contains Ti as well.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -29,6 +29,7 @@ impl IntegralTimeMismatch {
 impl EffectModel for IntegralTimeMismatch {
     const NAME: &'static str = "integral_time_mismatch";
     const SUMMARY: &'static str = "deviation of the true Ti from the declared one";
+    const DRIVES: &'static [Drive] = &[Drive::Torque];
 
     relative_deviation!(step 0.5, limits [-90.0, 400.0]);
 

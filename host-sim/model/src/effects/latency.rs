@@ -68,7 +68,7 @@ impl EffectModel for Latency {
         // With a linear scale, a late force cannot be distinguished from a compliant, damped screw.
         let force = has(Stage::Force) && !has(Stage::Table);
         [
-            (has(Stage::Table), Channel::Table),
+            (has(Stage::Table) && context.logged.scale, Channel::Table),
             (has(Stage::Tool), Channel::Tool),
             (force, Channel::Force),
             (has(Stage::Motor), Channel::Command),

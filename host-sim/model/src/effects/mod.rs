@@ -27,10 +27,14 @@ mod friction_map;
 mod friction_memory;
 mod friction_ripple;
 mod friction_warm_up;
+mod inertial_windup;
 mod intalk;
 mod integral_time_mismatch;
 mod latency;
+mod load_angle;
 mod loop_delay;
+mod lost_motion;
+mod microstep_error;
 mod motor_stribeck;
 mod pitch_cyclic;
 mod pitch_map;
@@ -67,14 +71,14 @@ use serde::de::value::MapDeserializer;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use shared::config::Rates;
 
-use crate::axis::Settings;
+use crate::axis::{Drive, Settings};
 use declaration::{AnyEffect, EntryValue, catalogue};
 
 pub use declaration::{
     Abscissa, Channel, Coordinate, Distinction, Draw, EffectCompensation, EffectContext, EffectModel, Found,
-    Imitation, ImitationContext, LEAST_SLOPE_UM_PER_M, Misplaced, Mode, Neighbours, Occurrence, Parameter,
-    PeriodicError, Placement, Prerequisite, ResidualShape, ResidualWave, SlopeOf, Stage, Substitute, Timing,
-    Unit, WaveOf, Wording, harmonic,
+    Imitation, ImitationContext, LEAST_SLOPE_UM_PER_M, LoggedChannels, Misplaced, Mode, Neighbours,
+    Occurrence, Parameter, PeriodicError, Placement, Prerequisite, ResidualShape, ResidualWave, SlopeOf,
+    Stage, Substitute, Timing, Unit, WaveOf, Wording, harmonic,
 };
 
 pub use backlash::Backlash;
@@ -92,10 +96,14 @@ pub use friction_map::FrictionMap;
 pub use friction_memory::FrictionMemory;
 pub use friction_ripple::FrictionRipple;
 pub use friction_warm_up::FrictionWarmUp;
+pub use inertial_windup::InertialWindup;
 pub use intalk::Intalk;
 pub use integral_time_mismatch::IntegralTimeMismatch;
 pub use latency::{LONGEST_LATENCY_MS, Latency};
+pub use load_angle::LoadAngle;
 pub use loop_delay::LoopDelay;
+pub use lost_motion::LostMotion;
+pub use microstep_error::MicrostepError;
 pub use motor_stribeck::MotorStribeck;
 pub use pitch_cyclic::PitchCyclic;
 pub use pitch_map::PitchMap;
@@ -128,9 +136,11 @@ pub use windup::Windup;
 // Effects are searched for and listed in this order.
 catalogue! {
     Backlash,
+    LostMotion,
     PitchProgressive,
     PitchCyclic,
     ResolverDividing,
+    MicrostepError,
     EncoderEllipticity,
     PitchMap,
     ScaleGain,
@@ -138,6 +148,7 @@ catalogue! {
     ThermalGrowth,
     Windup,
     ForceWindup,
+    InertialWindup,
     Stribeck,
     FrictionAsymmetry,
     TorqueRipple,
@@ -153,6 +164,7 @@ catalogue! {
     PreloadVariation,
     FrictionRipple,
     QuadraticDrag,
+    LoadAngle,
     ServoMismatch,
     VelocityLag,
     VelocityFilter,
@@ -196,6 +208,7 @@ mod tests {
         };
         let with_all_stages = EffectContext {
             axis,
+            logged: LoggedChannels::ALL,
             first: true,
             others: &others,
             stages: &stages,
@@ -211,10 +224,16 @@ mod tests {
         let without_table = EffectContext { axis: &bare, others: &[], stages: &stages, ..with_all_stages };
         // The angle of the probe is searched on the second axis.
         let second = EffectContext { first: false, ..with_all_stages };
+        let mut unknown = Settings::default();
+        unknown.mechanics.lead_mm = Some(5.0);
+        unknown.controller.drive = Drive::Stepper;
+        let no_force = LoggedChannels { force: false, ..LoggedChannels::ALL };
+        let stepper = EffectContext { axis: &unknown, logged: no_force, ..with_all_stages };
         let mut all = initial_guesses(&with_all_stages);
         let added = initial_guesses(&without_table)
             .into_iter()
             .chain(initial_guesses(&second))
+            .chain(initial_guesses(&stepper))
             .chain(of_the_scale())
             .chain(KINDS.iter().flat_map(|kind| (kind.assumed)()))
             .filter(|effect| !all.contains(effect))

@@ -7,7 +7,7 @@ use shared::config::Rates;
 use super::declaration::{
     Abscissa, Draw, EffectCompensation, EffectContext, EffectModel, Stage, Wording, relative_deviation,
 };
-use crate::axis::Settings;
+use crate::axis::{Drive, Settings};
 
 /// True Kp = declared Kp · (1 + percent/100).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -28,6 +28,7 @@ impl ServoMismatch {
 impl EffectModel for ServoMismatch {
     const NAME: &'static str = "servo_mismatch";
     const SUMMARY: &'static str = "deviation of the true Kp from the declared one";
+    const DRIVES: &'static [Drive] = &[Drive::Torque, Drive::Velocity];
     const DRAW_NUMBER: Option<u32> = Some(12);
 
     relative_deviation!(step 0.2, limits [-80.0, 300.0]);

@@ -9,7 +9,7 @@ use super::declaration::{
     Range, Stage, Substitute, Timing, Unit, Wording,
 };
 
-use crate::axis::Settings;
+use crate::axis::{Drive, Settings};
 
 /// The velocity loop uses the backward difference behind a first-order low-pass, as drives have it against the noise of their
 /// encoders. The kind of [`super::VelocityLag`] that is longer than a period of the loop.
@@ -49,6 +49,7 @@ impl EffectModel for VelocityFilter {
         &[Parameter::new("time_constant_ms", Unit::Millisecond, Range::UpTo(LONGEST_MS))];
     const OCCURRENCE: Occurrence = Occurrence::Once;
     const SHOWN_IN: &'static [Stage] = &[Stage::Motor];
+    const DRIVES: &'static [Drive] = &[Drive::Torque];
 
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Motor]

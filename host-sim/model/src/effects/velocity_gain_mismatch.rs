@@ -8,7 +8,7 @@ use super::declaration::{
     Abscissa, EffectCompensation, EffectContext, EffectModel, Imitation, ImitationContext, Stage, Wording,
     relative_deviation,
 };
-use crate::axis::Settings;
+use crate::axis::{Drive, Settings};
 
 /// True Kv = declared Kv · (1 + percent/100). The logged force of the last velocity tick contains Kv as well.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -33,6 +33,7 @@ impl VelocityGainMismatch {
 impl EffectModel for VelocityGainMismatch {
     const NAME: &'static str = "velocity_gain_mismatch";
     const SUMMARY: &'static str = "deviation of the true Kv from the declared one";
+    const DRIVES: &'static [Drive] = &[Drive::Torque];
 
     relative_deviation!(step 0.5, limits [-90.0, 400.0]);
 

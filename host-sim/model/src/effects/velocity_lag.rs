@@ -9,7 +9,7 @@ use super::declaration::{
 };
 
 use super::latency::LONGEST_LATENCY_MS;
-use crate::axis::Settings;
+use crate::axis::{Drive, Settings};
 
 /// The drive averages its velocity reading: the loop uses a velocity that is `ms` older than a backward difference, which is half
 /// a period of the loop old itself. A negative value is a fresher velocity, as that of a tachometer or an observer.
@@ -48,6 +48,7 @@ impl EffectModel for VelocityLag {
         &[Parameter::new("ms", Unit::Millisecond, Range::Within(LONGEST_LATENCY_MS))];
     const OCCURRENCE: Occurrence = Occurrence::Once;
     const SHOWN_IN: &'static [Stage] = &[Stage::Motor];
+    const DRIVES: &'static [Drive] = &[Drive::Torque];
 
     fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
         let range = Range::Within(Self::longest_ms(place.rates));

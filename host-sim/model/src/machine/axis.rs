@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::nominal::{LogOffsets, Nominal, TOLERATED};
 use crate::axis::{
-    Controller, Feedback, Field, Filters, Law, Limits, Mechanics, Sensors, Settings, axis_keys,
+    Controller, Drive, Feedback, Field, Filters, Law, Limits, Mechanics, Sensors, Settings, axis_keys,
 };
 use crate::effects::Effect;
 use crate::friction_curve::Curve;

@@ -11,7 +11,7 @@ use files::error::InputError;
 use super::axis::Axis;
 use super::declared::Machine;
 use super::instruments::InstrumentKeys;
-use crate::axis::{Feedback, KEYS, Settings};
+use crate::axis::{Drive, Feedback, KEYS, Key, Settings};
 use crate::bodies::Assembly;
 use crate::effects::{Effect, KINDS, LONGEST_LATENCY_MS, Occurrence, Placement, names};
 use crate::friction_curve::Curve;
@@ -123,6 +123,36 @@ struct Context<'a> {
     document: &'a Document<'a>,
 }
 
+/// Keys of the velocity loop and of the force that it outputs.
+const OF_VELOCITY_LOOP: &[&str] = &[
+    "velocity_gain_n_s_per_m",
+    "velocity_integral_time_s",
+    "force_limit_n",
+    "notch_frequency_hz",
+    "notch_width_hz",
+    "notch_depth",
+    "low_pass_frequency_hz",
+    "low_pass_damping_ratio",
+];
+
+/// Keys of the position loop.
+const OF_POSITION_LOOP: &[&str] = &[
+    "controller",
+    "position_gain_per_s",
+    "feedforward_percent",
+    "feedforward_ahead_s",
+    "dual_feedback_time_constant_s",
+];
+
+/// Whether an axis with such a drive may have a key.
+fn has_key(drive: Drive, key: &str) -> bool {
+    match drive {
+        Drive::Torque => key != "full_steps_per_turn",
+        Drive::Velocity => key != "full_steps_per_turn" && !OF_VELOCITY_LOOP.contains(&key),
+        Drive::Stepper => !OF_VELOCITY_LOOP.contains(&key) && !OF_POSITION_LOOP.contains(&key),
+    }
+}
+
 impl Context<'_> {
     fn refuse(&self, key: &str, what: &str) -> InputError {
         self.document.refuse(&format!("{}.{key}", self.key), what)
@@ -137,22 +167,19 @@ impl Context<'_> {
         Ok(())
     }
 
-    /// Requires all keys of the controller if one is given. Otherwise the motor stage would be omitted without notice.
+    /// Refuses keys of loops that the kind of drive does not have. What is missing is unknown: the tracer says what that costs.
     fn controller(&self) -> Result<(), InputError> {
         let Settings { controller, limits, sensors, .. } = self.settings;
-        let needed = [
-            ("controller", controller.law.is_some()),
-            ("position_gain_per_s", controller.position_gain_per_s.is_some()),
-            ("velocity_gain_n_s_per_m", controller.velocity_gain_n_s_per_m.is_some()),
-        ];
-        let all = KEYS
-            .iter()
-            .filter(|key| ["controller", "filters", "limits"].contains(&key.group))
-            .map(|key| (key.name, (key.is_given)(self.settings)));
-        let present = needed.into_iter().chain(all).find(|(_, is_given)| *is_given);
-        let missing = needed.into_iter().find(|(_, is_given)| !is_given);
-        if let (Some((present, _)), Some((missing, _))) = (present, missing) {
-            return Err(self.refuse(missing, &format!("this key, as {present} is given")));
+        let refused = |key: &&Key| (key.is_given)(self.settings) && !has_key(controller.drive, key.name);
+        if let Some(key) = KEYS.iter().find(refused) {
+            let what = format!("no such key, as drive is \"{}\"", controller.drive.word());
+            return Err(self.refuse(key.name, &what));
+        }
+        // Without a controller, its filters and limits would have no effect.
+        let of_controller = |key: &&Key| ["filters", "limits"].contains(&key.group);
+        let given = KEYS.iter().filter(of_controller).find(|key| (key.is_given)(self.settings));
+        if let (Drive::Torque, None, Some(given)) = (controller.drive, controller.law, given) {
+            return Err(self.refuse("controller", &format!("this key, as {} is given", given.name)));
         }
         if let Some(limit_mm) = limits.frozen_encoder_limit_mm {
             let most_mm = limits.following_error_limit_mm.unwrap_or(1e3 * servo::FOLLOWING_ERROR_LIMIT_M);

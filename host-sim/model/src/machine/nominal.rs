@@ -114,5 +114,13 @@ number_table! {
         drive_late_ms,
         /// Step of the controller's filter; 0: exact discretization.
         filter_step_ms,
+        /// Time constant of a drive whose velocity is commanded.
+        velocity_time_constant_ms,
+        /// Rate 1/Ti of the integral part of such a drive.
+        velocity_integral_per_s,
+        /// Coulomb friction over the moved mass, of a drive whose velocity is commanded.
+        velocity_friction_m_per_s2,
+        /// Dead time of a drive whose velocity or position is commanded.
+        drive_dead_time_ms,
     }
 }

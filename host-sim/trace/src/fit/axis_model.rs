@@ -66,7 +66,7 @@ impl AxisModel {
     /// error of the controller's gain. Without a force, the motor stage determines the mass.
     pub fn pin_mass(&mut self, scope: &Scope, half_width_kg: f64) {
         if scope.mechanics == Mechanics::All && scope.stages.contains(&Stage::Force) {
-            let mass_alone = Scope { stages: Vec::new(), mechanics: Mechanics::MotorMass };
+            let mass_alone = Scope { stages: Vec::new(), mechanics: Mechanics::MotorMass, ..scope.clone() };
             let mass =
                 self.adjustable(&mass_alone).next().and_then(|(key, _)| (key.get)(&self.axis.settings));
             self.pinned_mass_kg = mass.map(|mass_kg| [mass_kg, half_width_kg]);

@@ -130,7 +130,11 @@ impl<'a> FitData<'a> {
     /// fault of the data spoils do not count.
     pub fn counting(&self, stage: Stage, log: usize) -> impl Fn(usize) -> bool {
         let signals = self.signals(log);
-        let depends_on_friction = matches!(stage, Stage::Table | Stage::Force);
+        let depends_on_friction = match stage {
+            Stage::Table | Stage::Force => true,
+            Stage::Tool => signals.table.is_none() && signals.motor.is_some(),
+            Stage::Motor => false,
+        };
         let end = self.logs[log].len().saturating_sub(self.logs[log].lead_out);
         let settling = self.settling(log).max(if depends_on_friction { signals.sliding_from } else { 0 });
         let standstill = if depends_on_friction { &signals.standstill[..] } else { &[] };

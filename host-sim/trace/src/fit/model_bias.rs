@@ -9,7 +9,7 @@
 use super::axis_model::AxisModel;
 use super::fit_data::{FitData, ResidualSeries};
 use super::least_squares::{self, Fitted};
-use super::scope::Scope;
+use super::scope::{Scope, ShownIn};
 use super::tool_bias;
 use crate::input::signals::{AxisSignals, Signals};
 use crate::input::smoothing::Smooth;
@@ -26,6 +26,9 @@ pub fn of_all(data: &FitData<'_>, model: &AxisModel, scopes: &[Scope]) -> Vec<Re
 /// be simulated.
 #[must_use]
 pub fn of(data: &FitData<'_>, model: &AxisModel, scope: &Scope) -> Vec<ResidualSeries> {
+    if scope.shown_in != ShownIn::default() {
+        return Vec::new();
+    }
     let is_driven = |stage: &Stage| matches!(stage, Stage::Table | Stage::Force);
     let simulated = match &scope.stages[..] {
         [Stage::Tool] if tool_bias::is_needed(model) => tool_bias::simulated,

@@ -16,11 +16,15 @@ use crate::prediction::force_sampling::ForceSampling;
 use crate::prediction::force_windup;
 use crate::prediction::initial_state::InitialState;
 use crate::prediction::table_motion::MeasuredMotor;
-use crate::prediction::{table_variable, tool};
+use crate::prediction::{stepper, table_variable, tool, velocity_drive};
+use model::axis::Drive;
 use model::effects::{Channel, Stage};
 use model::servo;
 use numerics::resample::delayed_cubic;
 use plant::parameters::AxisParameters;
+
+/// What a model of a drive of which little is declared may leave, as a fraction of the difference that it describes.
+const MAX_LEFT_OF_UNKNOWN_DRIVE: f64 = 0.3;
 
 impl FitData<'_> {
     /// The residuals of a scope's stages over all logs, ordered by log, then by stage of the scope.
@@ -62,9 +66,15 @@ impl FitData<'_> {
                 }
                 Stage::Motor => self.motor(model, parameters, self.signals(log)),
                 Stage::Tool => {
-                    let tool = tool::tool(parameters, self.axis, self.names, &self.logs[log]);
+                    let screw = scope.shown_in.table_in_tool.then_some(&driven.table_m[..]);
+                    let tool = tool::tool(parameters, (self.axis, self.names), &self.logs[log], screw);
                     let measured = self.signals(log).tool.as_ref().map_or(&[][..], |tool| &tool.value);
-                    difference(measured, &tool.unwrap_or_default(), 1e6, model.tool_zero_um)
+                    let mut residual =
+                        difference(measured, &tool.unwrap_or_default(), 1e6, model.tool_zero_um);
+                    if screw.is_some() {
+                        force_windup::add_stretch(&mut residual, parameters, self.signals(log));
+                    }
+                    residual
                 }
             };
             for table in model.axis.empirical.iter().filter(|table| table.stage() == *stage) {
@@ -87,6 +97,8 @@ impl FitData<'_> {
     /// Table and force driven by the measured motor; `None` without a motor channel.
     fn driven(&self, model: &AxisModel, parameters: &AxisParameters, log: usize) -> Option<Driven> {
         let signals = self.signals(log);
+        let commanded = signals.motor_is_command.then(|| parameters.with_motor_as_commanded());
+        let parameters = commanded.as_ref().unwrap_or(parameters);
         let input = DrivenInput {
             measured: self.measured_motor(log)?,
             sample_s: self.logs[log].sample_s,
@@ -153,6 +165,17 @@ impl FitData<'_> {
 
     fn motor(&self, model: &AxisModel, parameters: &AxisParameters, signals: &AxisSignals) -> Vec<f64> {
         let (Some(motor), Some(command)) = (&signals.motor, &signals.command) else { return Vec::new() };
+        let loop_s = f64::from(self.rates.position_loop_divider) / self.rates.velocity_loop_hz;
+        let simulated = match model.axis.settings.controller.drive {
+            Drive::Torque => None,
+            Drive::Velocity => {
+                velocity_drive::motor(&model.axis.settings, &parameters.servo, command, loop_s)
+            }
+            Drive::Stepper => Some(stepper::motor(parameters, command, loop_s)),
+        };
+        if let Some(simulated) = simulated {
+            return difference(&motor.raw, &simulated, 1e6, 0.0);
+        }
         let simulated = self.closed_loop(model, parameters, signals).map(|simulated| simulated.motor_m);
         // Without a valid closed loop the residual is the following error itself.
         difference(&motor.raw, simulated.as_ref().unwrap_or(command), 1e6, 0.0)
@@ -204,10 +227,37 @@ impl FitData<'_> {
         noise.reduce(f64::min).unwrap_or(0.0)
     }
 
-    /// Largest residual of a stage that a model which describes the logs leaves, µm or N.
+    /// Largest residual of a stage that a model which describes the logs leaves, µm or N. Of a drive of which little is declared, the
+    /// model is an approximation: it may leave a part of what the channel differs from the one that drives its prediction.
     #[must_use]
     pub fn max_described(&self, model: &AxisModel, stage: Stage) -> f64 {
-        self.options.verdict.max_described(self.noise(model, stage))
+        let by_noise = self.options.verdict.max_described(self.noise(model, stage));
+        if model.axis.settings.controller.drive == Drive::Torque {
+            return by_noise;
+        }
+        by_noise.max(MAX_LEFT_OF_UNKNOWN_DRIVE * self.difference_to_upstream_um(stage))
+    }
+
+    /// Rms of the difference between a channel and the one that drives its prediction, without its mean, µm; 0 for the force.
+    fn difference_to_upstream_um(&self, stage: Stage) -> f64 {
+        let mut differences = Vec::new();
+        for log in self.logs_with(stage) {
+            let signals = self.signals(log);
+            let motor = signals.motor.as_ref();
+            let (channel, upstream) = match stage {
+                Stage::Motor => (motor, signals.command.as_deref()),
+                Stage::Table => (signals.table.as_ref(), motor.map(|motor| &motor.value[..])),
+                Stage::Tool => {
+                    (signals.tool.as_ref(), signals.table_or_motor().map(|smooth| &smooth.value[..]))
+                }
+                Stage::Force => (None, None),
+            };
+            let (Some(channel), Some(upstream)) = (channel, upstream) else { continue };
+            let of_log: Vec<f64> = channel.value.iter().zip(upstream).map(|(a, b)| 1e6 * (a - b)).collect();
+            let mean = numerics::mean(of_log.iter().copied());
+            differences.extend(of_log.into_iter().map(|difference| difference - mean));
+        }
+        if differences.is_empty() { 0.0 } else { numerics::rms(differences) }
     }
 
     /// Standard deviation of the white noise in a stage's residual over one log.

@@ -17,6 +17,36 @@ pub enum Mechanics {
     None,
 }
 
+/// The stages in which an axis shows the effects of stages without a channel of their own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ShownIn {
+    /// Where the tool shows what the missing linear scale does not: the tool is then predicted from the motor, through the screw.
+    pub table_in_tool: bool,
+    /// Where table or tool show what the missing motor reading does not: the motor is a stepper, and taken as its command.
+    pub motor_in_next: bool,
+}
+
+impl ShownIn {
+    /// The stage in which the effects of a stage are seen.
+    #[must_use]
+    pub fn of(self, stage: Stage) -> Stage {
+        let next = if stage == Stage::Motor && self.motor_in_next { Stage::Table } else { stage };
+        if next == Stage::Table && self.table_in_tool { Stage::Tool } else { next }
+    }
+
+    /// The stages of an effect in which it is seen, each once.
+    #[must_use]
+    pub fn stages_of(self, effect: &Effect) -> Vec<Stage> {
+        let mut stages: Vec<Stage> = Vec::new();
+        for stage in effect.stages().iter().map(|&stage| self.of(stage)) {
+            if !stages.contains(&stage) {
+                stages.push(stage);
+            }
+        }
+        stages
+    }
+}
+
 /// A set of stages with the parameters that are fitted on them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Scope {
@@ -24,6 +54,8 @@ pub struct Scope {
     pub stages: Vec<Stage>,
     /// Mechanical values that are fitted on these stages.
     pub mechanics: Mechanics,
+    /// Where the axis shows the effects of stages without a channel.
+    pub shown_in: ShownIn,
 }
 
 /// A stage that cannot be evaluated, with the missing channels or keys.
@@ -39,14 +71,30 @@ impl Scope {
     /// Whether the table driven by the measured motor is simulated for some of the stages.
     #[must_use]
     pub fn is_driven(&self) -> bool {
-        self.stages.iter().any(|stage| matches!(stage, Stage::Table | Stage::Force))
+        let is_driven = |stage: &Stage| match stage {
+            Stage::Table | Stage::Force => true,
+            Stage::Tool => self.shown_in.table_in_tool,
+            Stage::Motor => false,
+        };
+        self.stages.iter().any(is_driven)
+    }
+
+    /// The stages whose effects this scope shows, without those that another scope shows as well.
+    #[must_use]
+    pub fn shown_stages(&self) -> Vec<Stage> {
+        let all = [Stage::Motor, Stage::Table, Stage::Tool, Stage::Force];
+        all.into_iter().filter(|&stage| self.stages.contains(&self.shown_in.of(stage))).collect()
     }
 
     /// Whether an effect is searched for and fitted in this scope. A mechanical effect also changes the motor stage, but is
     /// fitted there only if neither the table nor the force stage can be evaluated.
     #[must_use]
     pub fn holds(&self, effect: &Effect) -> bool {
-        match effect.stages() {
+        let stages = effect.stages();
+        if let Some(&first) = stages.first().filter(|&&first| self.shown_in.of(first) != first) {
+            return self.stages.contains(&self.shown_in.of(first));
+        }
+        match stages {
             [Stage::Motor] => self.stages.contains(&Stage::Motor),
             [Stage::Tool] => self.stages.contains(&Stage::Tool),
             stages => {

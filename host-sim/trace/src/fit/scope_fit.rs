@@ -96,5 +96,6 @@ pub fn fit_jointly(
 fn joint(scopes: &[Scope]) -> Option<Scope> {
     let has = |stage| scopes.iter().any(|scope| scope.stages == [stage]);
     let stages = vec![Stage::Force, Stage::Motor];
-    (has(Stage::Force) && has(Stage::Motor)).then_some(Scope { stages, mechanics: Mechanics::All })
+    let shown_in = scopes.first()?.shown_in;
+    (has(Stage::Force) && has(Stage::Motor)).then_some(Scope { stages, mechanics: Mechanics::All, shown_in })
 }

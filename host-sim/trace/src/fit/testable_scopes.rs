@@ -1,8 +1,9 @@
 //! The scopes that logs and machine file allow to evaluate.
 
 use super::fit_data::FitData;
-use super::scope::{Mechanics, NotTestable, Scope};
+use super::scope::{Mechanics, NotTestable, Scope, ShownIn};
 use crate::input::signals::AxisSignals;
+use model::axis::{Drive, Settings};
 use model::effects::Stage;
 use model::machine::Axis;
 
@@ -33,11 +34,23 @@ pub fn scopes(axis: &Axis, data: &FitData<'_>) -> (Vec<Scope>, Vec<NotTestable>)
         stages if stages.contains(&Stage::Force) => Mechanics::MotorMass,
         _ => Mechanics::Values,
     };
-    let servo = Scope { stages: among(&[Stage::Motor]), mechanics: on_motor };
-    let structure = Scope { stages: among(&[Stage::Tool]), mechanics: Mechanics::None };
-    let mechanics = Scope { stages: mechanics, mechanics: Mechanics::All };
+    let shown_in = shown_in(axis, data);
+    let servo = Scope { stages: among(&[Stage::Motor]), mechanics: on_motor, shown_in };
+    let structure = Scope { stages: among(&[Stage::Tool]), mechanics: Mechanics::None, shown_in };
+    let mechanics = Scope { stages: mechanics, mechanics: Mechanics::All, shown_in };
     let scopes = [mechanics, servo, structure].into_iter().filter(|scope| !scope.stages.is_empty()).collect();
     (scopes, not_testable)
+}
+
+/// Where the axis shows the effects of stages whose channel no log has.
+fn shown_in(axis: &Axis, data: &FitData<'_>) -> ShownIn {
+    let has = |channel: fn(&AxisSignals) -> bool| (0..data.logs.len()).any(|log| channel(data.signals(log)));
+    let has_table = has(|a| a.table.is_some());
+    ShownIn {
+        table_in_tool: !has_table && has(|a| a.tool.is_some() && a.motor.is_some()),
+        motor_in_next: axis.settings.controller.drive == Drive::Stepper
+            && !has(AxisSignals::has_motor_reading),
+    }
 }
 
 /// The requirements of each stage, with a flag whether each is met, in the order in which missing ones are reported.
@@ -47,18 +60,35 @@ fn requirements(axis: &Axis, data: &FitData<'_>) -> [(Stage, Vec<(bool, &'static
     let one_has = |has: fn(&AxisSignals) -> bool| logs().any(has);
     let min_travel_mm = data.options.admission.min_travel_mm;
     let motor = (one_has(|a| a.motor.is_some()), "a motor channel");
+    let own_motor = (one_has(AxisSignals::has_motor_reading), "a motor channel");
     let table = (one_has(|a| a.table.is_some()), "a table channel");
     let table_or_motor = (table.0 || motor.0, "a table or motor channel");
     let command = (one_has(|a| a.command.is_some()), "a command channel");
     let tool = (one_has(|a| a.tool.is_some()), "a tool channel");
     let force = (one_has(|a| a.force.is_some()), "a force channel");
-    let controller = (axis.settings.has_controller(), "the controller's keys in the machine file");
     let masses = (axis.settings.has_mass(), "masses in the machine file");
     let motion = (logs().any(|signals| signals.moves(min_travel_mm)), "motion of the axis");
+    let mut for_motor = vec![command, own_motor];
+    match axis.settings.controller.drive {
+        Drive::Torque => for_motor.extend(loop_keys(&axis.settings).into_iter().chain([masses])),
+        Drive::Velocity => for_motor.extend(&loop_keys(&axis.settings)[1..2]),
+        Drive::Stepper => {}
+    }
+    for_motor.push(motion);
     [
-        (Stage::Motor, vec![command, motor, controller, masses, motion]),
+        (Stage::Motor, for_motor),
         (Stage::Table, vec![motor, table, motion]),
         (Stage::Tool, vec![table_or_motor, tool]),
         (Stage::Force, vec![motor, force, masses, motion]),
+    ]
+}
+
+/// The keys of the control loops, with a flag whether each is given.
+fn loop_keys(settings: &Settings) -> [(bool, &'static str); 3] {
+    let controller = &settings.controller;
+    [
+        (controller.law.is_some(), "controller in the machine file"),
+        (controller.position_gain_per_s.is_some(), "position_gain_per_s in the machine file"),
+        (controller.velocity_gain_n_s_per_m.is_some(), "velocity_gain_n_s_per_m in the machine file"),
     ]
 }

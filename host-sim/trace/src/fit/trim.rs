@@ -8,10 +8,11 @@
 use shared::config::Rates;
 
 use crate::options::ModelOptions;
-use model::axis::Law;
+use model::axis::{Drive, Law};
 use model::effects::{Channel, Coordinate, Effect, Stage, Timing};
 use model::machine::Axis;
 use model::machine::nominal::LogOffsets;
+use model::servo::VelocityDrive;
 use plant::parameters::AxisParameters;
 
 /// An instant or interval that is trimmed.
@@ -29,16 +30,51 @@ pub enum Instant {
     Drive,
     /// Step of the filter of high-order control; zero: exact discretization.
     Filter,
+    /// Time constant of a drive whose velocity is commanded.
+    VelocityTimeConstant,
+    /// Rate of the integral part of such a drive, 1/s in place of ms.
+    VelocityIntegral,
+    /// Coulomb friction over the moved mass, m/s² in place of ms.
+    VelocityFriction,
+    /// Dead time of a drive whose velocity or position is commanded.
+    DeadTime,
 }
+
+/// Longest time constant of a drive whose velocity is commanded, s: a bandwidth of 1.6 Hz.
+const LONGEST_TIME_CONSTANT_S: f64 = 0.1;
+
+/// Highest rate of the integral part of such a drive, 1/s.
+const HIGHEST_INTEGRAL_PER_S: f64 = 1e3;
+
+/// Largest friction over the moved mass, m/s².
+const LARGEST_FRICTION_M_PER_S2: f64 = 30.0;
+
+/// Time constant (ms) and integral rate (1/s) with which the fit of such a drive starts: a bandwidth of 50 Hz.
+const FIRST_TIME_CONSTANT_MS: f64 = 3.0;
+const FIRST_INTEGRAL_PER_S: f64 = 30.0;
+
+/// Longest dead time of a drive whose velocity or position is commanded, in samples.
+const LONGEST_DEAD_TIME: f64 = 10.0;
 
 /// Delay of each instant, s; negative: early.
 #[derive(Clone, Debug, Default)]
 pub struct Trims {
-    late_s: [f64; 6],
+    late_s: [f64; 10],
 }
 
 impl Instant {
-    const ALL: [Self; 6] = [Self::Table, Self::Tool, Self::Force, Self::Speed, Self::Drive, Self::Filter];
+    const ALL: [Self; 10] = [
+        Self::Table,
+        Self::Tool,
+        Self::Force,
+        Self::Speed,
+        Self::Drive,
+        Self::Filter,
+        Self::VelocityTimeConstant,
+        Self::VelocityIntegral,
+        Self::VelocityFriction,
+        Self::DeadTime,
+    ];
 
     /// The key in a machine file, ms.
     fn key(self, offsets: &mut LogOffsets) -> &mut Option<f64> {
@@ -49,6 +85,10 @@ impl Instant {
             Self::Speed => &mut offsets.speed_late_ms,
             Self::Drive => &mut offsets.drive_late_ms,
             Self::Filter => &mut offsets.filter_step_ms,
+            Self::VelocityTimeConstant => &mut offsets.velocity_time_constant_ms,
+            Self::VelocityIntegral => &mut offsets.velocity_integral_per_s,
+            Self::VelocityFriction => &mut offsets.velocity_friction_m_per_s2,
+            Self::DeadTime => &mut offsets.drive_dead_time_ms,
         }
     }
 
@@ -58,26 +98,56 @@ impl Instant {
             Self::Table => Stage::Table,
             Self::Tool => Stage::Tool,
             Self::Force => Stage::Force,
-            Self::Speed | Self::Drive | Self::Filter => Stage::Motor,
+            Self::Speed
+            | Self::Drive
+            | Self::Filter
+            | Self::VelocityTimeConstant
+            | Self::VelocityIntegral
+            | Self::VelocityFriction
+            | Self::DeadTime => Stage::Motor,
         }
     }
 
     /// Whether an axis has such a parameter.
     fn is_of(self, axis: &Axis) -> bool {
-        self != Self::Filter || axis.settings.controller.law == Some(Law::Hpc)
+        let drive = axis.settings.controller.drive;
+        match self {
+            Self::Table | Self::Tool | Self::Force => true,
+            Self::Speed | Self::Drive => drive == Drive::Torque,
+            Self::Filter => drive == Drive::Torque && axis.settings.controller.law == Some(Law::Hpc),
+            Self::VelocityTimeConstant | Self::VelocityIntegral | Self::VelocityFriction => {
+                drive == Drive::Velocity
+            }
+            Self::DeadTime => drive != Drive::Torque,
+        }
     }
 
-    /// Smallest and largest delay, s.
-    fn bounds_s(self, rates: Rates, options: &ModelOptions) -> [f64; 2] {
+    /// Smallest and largest delay, s. The motor of a stepper may be its command, from which table and tool are as late as its dead time.
+    fn bounds_s(self, drive: Drive, rates: Rates, options: &ModelOptions) -> [f64; 2] {
         let tick_s = 1.0 / rates.velocity_loop_hz;
         let sample_s = tick_s * f64::from(rates.position_loop_divider);
+        let dead_time_s = LONGEST_DEAD_TIME * sample_s;
         match self {
+            Self::Table | Self::Tool if drive == Drive::Stepper => [-dead_time_s, dead_time_s],
+            Self::VelocityTimeConstant => [0.0, LONGEST_TIME_CONSTANT_S],
+            Self::VelocityIntegral => [0.0, 1e-3 * HIGHEST_INTEGRAL_PER_S],
+            Self::VelocityFriction => [0.0, 1e-3 * LARGEST_FRICTION_M_PER_S2],
+            Self::DeadTime => [0.0, dead_time_s],
             Self::Table | Self::Tool => [-options.position_trim * sample_s, options.position_trim * sample_s],
             // Force and position have different bounds: a force is a mean over an interval, a position belongs to an instant.
             Self::Force => [-options.force_trim * sample_s, options.force_trim * sample_s],
             Self::Speed => [-options.velocity_trim * tick_s, options.velocity_trim * tick_s],
             Self::Drive => [-options.drive_trim * tick_s, longest_drive_lag_s(tick_s, options)],
             Self::Filter => [0.0, options.position_trim * sample_s],
+        }
+    }
+
+    /// The value with which a fit starts if the machine file has none; zero in a file that a fit wrote.
+    const fn first_ms(self, was_fitted: bool) -> f64 {
+        match self {
+            Self::VelocityTimeConstant if !was_fitted => FIRST_TIME_CONSTANT_MS,
+            Self::VelocityIntegral if !was_fitted => FIRST_INTEGRAL_PER_S,
+            _ => 0.0,
         }
     }
 
@@ -110,8 +180,8 @@ impl Trims {
         let mut offsets = axis.log_offsets.unwrap_or_default();
         let mut trims = Self::default();
         for instant in Instant::ALL {
-            let [lower, upper] = instant.bounds_s(rates, options);
-            let ms = instant.key(&mut offsets).unwrap_or(0.0);
+            let [lower, upper] = instant.bounds_s(axis.settings.controller.drive, rates, options);
+            let ms = instant.key(&mut offsets).unwrap_or(instant.first_ms(axis.log_offsets.is_some()));
             trims.late_s[instant as usize] = (1e-3 * ms).clamp(lower, upper);
         }
         trims
@@ -137,7 +207,8 @@ impl Trims {
         options: &ModelOptions,
     ) -> Vec<(Instant, Coordinate, f64)> {
         let coordinate = |instant: Instant| {
-            let [lower, upper] = instant.bounds_s(rates, options).map(|s| 1e3 * s);
+            let drive = axis.settings.controller.drive;
+            let [lower, upper] = instant.bounds_s(drive, rates, options).map(|s| 1e3 * s);
             let bound = upper.max(-lower);
             // The effect is the lag itself; that the force acts early is not part of it.
             let is_lag =
@@ -180,6 +251,12 @@ impl Trims {
         }
         parameters.servo.drive_late_s += self.late_s[Instant::Drive as usize];
         parameters.servo.filter_step_s = self.late_s[Instant::Filter as usize];
+        parameters.servo.velocity_drive = VelocityDrive {
+            time_constant_s: self.late_s[Instant::VelocityTimeConstant as usize],
+            integral_per_s: 1e3 * self.late_s[Instant::VelocityIntegral as usize],
+            dead_time_s: self.late_s[Instant::DeadTime as usize],
+            friction_m_per_s2: 1e3 * self.late_s[Instant::VelocityFriction as usize],
+        };
         parameters
     }
 }
@@ -224,7 +301,7 @@ mod tests {
     fn the_lag_of_the_drive_is_fitted_only_if_it_may_exceed_the_age_of_the_velocity() {
         let upper_s = |tick_s: f64| {
             let rates = Rates { velocity_loop_hz: 1.0 / tick_s, position_loop_divider: 1 };
-            Instant::Drive.bounds_s(rates, &ModelOptions::default())[1]
+            Instant::Drive.bounds_s(Drive::Torque, rates, &ModelOptions::default())[1]
         };
         assert_eq!(
             [0.59e-3, 0.61e-3].map(|tick_s| upper_s(tick_s).to_bits()),

@@ -7,7 +7,7 @@ use super::motor_path::MotorPath;
 use super::smoothing::Smooth;
 use crate::options::SampleOptions;
 use files::log::{AxisLog, Log, Unit};
-use model::effects::Stage;
+use model::effects::{LoggedChannels, Stage};
 
 /// One axis of one log, in SI units. For rotary axes, degrees are treated as mm and N·m as N.
 #[derive(Clone, Debug)]
@@ -18,8 +18,10 @@ pub struct AxisSignals {
     pub unit: Option<Unit>,
     /// Position command.
     pub command: Option<Vec<f64>>,
-    /// Motor encoder.
+    /// Motor encoder; of a stepper motor without one, the command.
     pub motor: Option<Smooth>,
+    /// Whether [`Self::motor`] is the command.
+    pub motor_is_command: bool,
     /// Motor position between the samples.
     pub motor_path: Option<MotorPath>,
     /// Linear scale.
@@ -65,13 +67,20 @@ impl Signals {
     /// Prepares a log for a machine with these axes. An axis that the log does not contain has no channels.
     #[must_use]
     pub fn new(log: &Log, axes: &[String], options: &SampleOptions) -> Self {
+        Self::of_machine(log, axes, &[], options)
+    }
+
+    /// As [`Signals::new`]; of the axes with these names, the motor is taken as the command where the log has no reading of it.
+    #[must_use]
+    pub fn of_machine(log: &Log, axes: &[String], steppers: &[String], options: &SampleOptions) -> Self {
         let sample_s = log.sample_time_s;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
         let half_window = ((options.smoothing_s / sample_s).round() as usize).clamp(2, 50);
         let prepared = |name: &String| {
             let found = log.axes.iter().find(|axis| axis.name == *name);
             let signals = found.map_or_else(AxisSignals::absent, |axis| {
-                AxisSignals::new(axis, sample_s, half_window, options)
+                let is_commanded = axis.motor.is_none() && steppers.contains(name);
+                AxisSignals::new(axis, is_commanded, (sample_s, half_window), options)
             });
             AxisSignals { start_s: log.start_s, ..signals }
         };
@@ -113,6 +122,7 @@ impl AxisSignals {
             unit: None,
             command: None,
             motor: None,
+            motor_is_command: false,
             motor_path: None,
             table: None,
             tool: None,
@@ -125,7 +135,12 @@ impl AxisSignals {
         }
     }
 
-    fn new(axis: &AxisLog, sample_s: f64, half_window: usize, options: &SampleOptions) -> Self {
+    fn new(
+        axis: &AxisLog,
+        is_commanded: bool,
+        (sample_s, half_window): (f64, usize),
+        options: &SampleOptions,
+    ) -> Self {
         let metres = |channel: &Option<Vec<f64>>| -> Option<Vec<f64>> {
             channel.as_ref().map(|mm| mm.iter().map(|mm| 1e-3 * mm).collect())
         };
@@ -133,7 +148,7 @@ impl AxisSignals {
             metres(channel)
                 .map(|raw| Smooth::new(raw, sample_s, half_window).with_quiet_acceleration(sample_s))
         };
-        let motor = smooth(&axis.motor);
+        let motor = smooth(if is_commanded { &axis.command } else { &axis.motor });
         let standstill = motor.as_ref().map_or_else(Vec::new, |motor| standstill(motor, sample_s, options));
         Self {
             start_s: 0.0,
@@ -143,6 +158,7 @@ impl AxisSignals {
             sliding_from: motor
                 .as_ref()
                 .map_or(0, |motor| sliding_from(motor, &standstill, sample_s, options)),
+            motor_is_command: is_commanded && motor.is_some(),
             motor,
             standstill,
             saturated: Vec::new(),
@@ -152,6 +168,12 @@ impl AxisSignals {
             force: axis.force.clone().map(|raw| Smooth::new(raw, sample_s, half_window)),
             added_force: axis.added_force.clone().map(|raw| AddedForce::new(raw, sample_s, half_window)),
         }
+    }
+
+    /// Whether the motor has a reading of its own.
+    #[must_use]
+    pub const fn has_motor_reading(&self) -> bool {
+        self.motor.is_some() && !self.motor_is_command
     }
 
     /// Samples of a stage that a fault of the data spoils; empty if there is none.
@@ -215,6 +237,17 @@ impl AxisSignals {
         let smooth = [&self.motor, &self.table, &self.tool, &self.force];
         let smooth = smooth.into_iter().flatten().map(|smooth| smooth.raw.len());
         self.command.as_ref().map(Vec::len).into_iter().chain(smooth).next()
+    }
+}
+
+/// The channels of an axis in the logs, of which some may lack all but the force.
+#[must_use]
+pub fn logged_channels(logs: &[Signals], axis: usize) -> LoggedChannels {
+    let one_has = |has: fn(&AxisSignals) -> bool| logs.iter().any(|log| has(&log.axes[axis]));
+    LoggedChannels {
+        motor: one_has(AxisSignals::has_motor_reading),
+        scale: one_has(|axis| axis.table.is_some()),
+        force: logs.iter().all(|log| log.axes[axis].force.is_some()),
     }
 }
 

@@ -1,7 +1,8 @@
 //! Prediction of each stage by a model, driven by the measured signal upstream of the stage.
 //!
 //! [`driven`] predicts table and force from the measured motor, [`closed_loop`] the motor from the command, and [`tool`]
-//! the tool point from the measured tables. [`force_windup`] replaces the mechanics if no masses are declared.
+//! the tool point from the measured tables. [`velocity_drive`] and [`stepper`] predict motors that are not commanded by a force.
+//! [`force_windup`] replaces the mechanics if no masses are declared.
 
 pub mod closed_loop;
 pub mod controller_readings;
@@ -10,6 +11,8 @@ pub mod force_sampling;
 pub mod force_windup;
 pub mod initial_state;
 pub mod resonant_response;
+pub mod stepper;
 pub mod table_motion;
 pub mod table_variable;
 pub mod tool;
+pub mod velocity_drive;

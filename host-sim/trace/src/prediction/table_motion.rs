@@ -134,7 +134,8 @@ impl<'a> SimulatedTable<'a> {
 
     /// The recorded motion, with the table filtered and its linear part added.
     fn filtered(self, motor: &Smooth) -> TableMotion {
-        let linear_m = |i: usize| motor.value[i] - self.stretch_s2 * motor.acceleration[i];
+        let stretch_s2 = self.stretch_s2 + self.parameters.inertial_windup.stretch_s2();
+        let linear_m = |i: usize| motor.value[i] - stretch_s2 * motor.acceleration[i];
         let nonlinear_m = motor.filtered(&self.motion.table_m).into_iter().enumerate();
         TableMotion { table_m: nonlinear_m.map(|(i, m)| m + linear_m(i)).collect(), ..self.motion }
     }

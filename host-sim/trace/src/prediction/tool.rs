@@ -10,18 +10,20 @@ use plant::tool_point::{self, Tables};
 
 /// Tool point of one axis from the measured tables, m. `None` if the axis has neither table nor motor channel.
 ///
+/// Without a linear scale, `screw` is the table behind the measured motor (m), as the model of the screw moves it.
+///
 /// The `latency` of the table channel is subtracted from that of the tool, as the tool is predicted from the table channel.
 #[must_use]
 pub fn tool(
     parameters: &AxisParameters,
-    axis: usize,
-    names: &[String],
+    (axis, names): (usize, &[String]),
     signals: &Signals,
+    screw: Option<&[f64]>,
 ) -> Option<Vec<f64>> {
     let tables: Vec<Option<&Smooth>> = signals.axes.iter().map(AxisSignals::table_or_motor).collect();
     let own = tables.get(axis).copied().flatten()?;
     let is_scale = signals.axes[axis].table.is_some();
-    let mut tool_m = own.value.clone();
+    let mut tool_m = screw.map_or_else(|| own.value.clone(), <[f64]>::to_vec);
     for mode in parameters.tool.modes() {
         let response = resonant_response(own, mode, signals.sample_s);
         let offsets = response.iter().zip(&own.value).map(|(response, table)| response - table);
@@ -29,7 +31,7 @@ pub fn tool(
     }
     let mut positions = vec![0.0; names.len()];
     let mut accelerations = vec![0.0; names.len()];
-    for (i, position_m) in tool_m.iter_mut().enumerate() {
+    for (i, position_m) in tool_m.iter_mut().enumerate().take(own.value.len()) {
         for (other, table) in tables.iter().enumerate() {
             positions[other] = table.map_or(0.0, |table| table.value[i]);
             accelerations[other] = table.map_or(0.0, |table| table.quiet_acceleration()[i]);

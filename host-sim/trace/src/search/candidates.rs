@@ -90,7 +90,7 @@ impl Candidate {
 /// by the acceleration that follows the error: a wave of nanometres would explain any short piece of a force.
 fn is_shown_in(effect: &Effect, stage: Stage) -> bool {
     let mut kinds = KINDS.iter().filter(|kind| kind.name == effect.name());
-    stage == Stage::Table || kinds.any(|kind| kind.shown_in != [Stage::Table])
+    matches!(stage, Stage::Table | Stage::Tool) || kinds.any(|kind| kind.shown_in != [Stage::Table])
 }
 
 /// The fits that candidates are compared with and start from.
@@ -211,7 +211,7 @@ fn try_out(
     let varying = candidate
         .fitted
         .as_ref()
-        .and_then(|fitted| fit(&with_variation(data, fitted, &candidate.effect)?, &fitted.columns));
+        .and_then(|fitted| fit(&with_variation(data, fitted, scope, &candidate.effect)?, &fitted.columns));
     if let Some(varying) = varying.filter(|varying| varying.is_supported(options)) {
         *candidate = varying;
     }

@@ -8,6 +8,7 @@ use super::residual_shape::shape;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
 use crate::fit::least_squares::Fitted;
+use crate::fit::scope::Scope;
 use model::effects::Effect;
 
 /// The model with a candidate, and before it with the effect that is added with it, if the model does not have that one.
@@ -29,12 +30,17 @@ pub fn is_companion(effect: &Effect, found: &[Effect]) -> bool {
 /// The model of a fit with a candidate and its variation over the position; `None` if it has none, or the model describes any shape
 /// over the position already.
 #[must_use]
-pub fn with_variation(data: &FitData<'_>, fitted: &Fitted, candidate: &Effect) -> Option<AxisModel> {
+pub fn with_variation(
+    data: &FitData<'_>,
+    fitted: &Fitted,
+    scope: &Scope,
+    candidate: &Effect,
+) -> Option<AxisModel> {
     let model = &fitted.model;
     if has_any_shape(&model.axis.effect) {
         return None;
     }
-    let residual = || shape(data, &fitted.residuals, model.axis.settings.mechanics.lead_mm);
+    let residual = || shape(data, &fitted.residuals, scope, model.axis.settings.mechanics.lead_mm);
     Some(with_companion(model, candidate.variation(&residual, data.travel_mm())?))
 }
 

@@ -5,6 +5,7 @@ use super::residual_shape::shape;
 use crate::fit::fit_data::FitData;
 use crate::fit::least_squares::Fitted;
 use crate::fit::scope::Scope;
+use crate::input::signals::logged_channels;
 use model::effects::{Effect, EffectContext, Stage, initial_guesses};
 
 /// All initial guesses of the effects that the model does not yet contain.
@@ -12,20 +13,21 @@ use model::effects::{Effect, EffectContext, Stage, initial_guesses};
 pub fn missing_effects(data: &FitData<'_>, base: &Fitted, scope: &Scope) -> Vec<Effect> {
     let model = &base.model;
     let others: Vec<String> = data.names.iter().filter(|name| *name != data.name()).cloned().collect();
-    let residual = shape(data, &base.residuals, model.axis.settings.mechanics.lead_mm);
+    let residual = shape(data, &base.residuals, scope, model.axis.settings.mechanics.lead_mm);
     let names: Vec<&'static str> = model.axis.effect.iter().map(Effect::name).collect();
+    let logged = logged_channels(data.logs, data.axis);
     let context = EffectContext {
         axis: &model.axis.settings,
+        logged,
         first: data.axis == 0,
         others: &others,
-        stages: &scope.stages,
+        stages: &scope.shown_stages(),
         travel_mm: data.travel_mm(),
         effects: &names,
         residual: &residual,
     };
     let mut guesses = initial_guesses(&context);
-    let force_is_logged = data.logs.iter().all(|log| log.axes[data.axis].force.is_some());
-    guesses.retain(|effect| force_is_logged || !effect.kind().needs_force);
+    guesses.retain(|effect| logged.force || !effect.kind().needs_force);
     guesses.retain(|effect| !model.found().iter().any(|found| found.is_same(effect)));
     // An effect of any shape would describe what the bump of a local defect leaves.
     let has_bump = |stage: Stage| data.exclusions.iter().any(|exclusion| exclusion.bump(stage).is_some());

@@ -7,6 +7,7 @@ use super::position_spectrum::waves;
 use super::residual_samples::{Sample, samples, solve};
 use crate::fit::fit_data::{FitData, ResidualSeries};
 use crate::fit::normal_equations::FOLDS;
+use crate::fit::scope::Scope;
 use model::effects::{ResidualShape, Stage, WaveOf};
 use model::position_curve::PositionCurve;
 
@@ -23,9 +24,14 @@ const MIN_REFINEMENT: f64 = 1e-4;
 /// Number of intervals of the position in which the residual is averaged for maps. The finest map has ten for each knot.
 const BINS: usize = 256;
 
-/// The shape of the residuals of table and force stage.
+/// The shape of the residuals of a scope's table and force stage; of its tool stage, where that shows the table.
 #[must_use]
-pub fn shape(data: &FitData<'_>, residuals: &[ResidualSeries], lead_mm: Option<f64>) -> ResidualShape {
+pub fn shape(
+    data: &FitData<'_>,
+    residuals: &[ResidualSeries],
+    scope: &Scope,
+    lead_mm: Option<f64>,
+) -> ResidualShape {
     let options = &data.options.search;
     let min_share = options.promising * options.min_reduction;
     let travel_mm = data.travel_mm();
@@ -34,7 +40,7 @@ pub fn shape(data: &FitData<'_>, residuals: &[ResidualSeries], lead_mm: Option<f
         lead_mm.is_none_or(|lead_mm| spacing_mm >= MIN_SPACING_OF_LEAD * lead_mm)
     };
     let counts: Vec<u32> = KNOTS.into_iter().filter(count).collect();
-    let table = samples(data, residuals, Stage::Table);
+    let table = samples(data, residuals, scope.shown_in.of(Stage::Table));
     let force = samples(data, residuals, Stage::Force);
     let friction: Vec<Sample> = force
         .iter()

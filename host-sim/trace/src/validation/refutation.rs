@@ -9,7 +9,7 @@ use super::fitted_axis::FittedAxis;
 use super::found_effect::FoundEffect;
 use super::likelihood::refuting_loss;
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
-use crate::fit::scope::{Mechanics, Scope};
+use crate::fit::scope::{Mechanics, Scope, ShownIn};
 use model::effects::Stage;
 
 /// A refuted effect, and the model without it.
@@ -80,8 +80,9 @@ impl Removal {
         stages: &[Stage],
     ) -> Self {
         let effect = &axis.model.found()[index];
-        let stages = effect.stages().iter().copied().filter(|stage| stages.contains(stage)).collect();
-        let scope = Scope { stages, mechanics: Mechanics::None };
+        let shown_in = axis.fits.first().map_or(ShownIn::default(), |fit| fit.scope.shown_in);
+        let stages = shown_in.stages_of(effect).into_iter().filter(|stage| stages.contains(stage)).collect();
+        let scope = Scope { stages, mechanics: Mechanics::None, shown_in };
         let without = axis.without(fit_data, index);
         let models = [&without.model, &axis.model];
         let held_out = models.map(|model| validate.residuals(model, &scope));

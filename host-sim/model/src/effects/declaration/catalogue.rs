@@ -19,6 +19,7 @@ macro_rules! catalogue {
             special_form_of: $variant::SPECIAL_FORM_OF,
             is_linear: $variant::IS_LINEAR,
             needs_force: $variant::NEEDS_FORCE,
+            drives: $variant::DRIVES,
             contains: $variant::CONTAINS,
             part_of_declared: $variant::PART_OF_DECLARED,
             parameters: $variant::PARAMETERS,
@@ -248,11 +249,13 @@ macro_rules! catalogue {
             }
         }
 
-        /// Every initial guess of every effect that the context allows.
+        /// Every initial guess of every effect that the context and the drive of the axis allow.
         #[must_use]
         pub fn initial_guesses(context: &EffectContext<'_>) -> Vec<Effect> {
             let mut all = Vec::new();
-            $(all.extend($variant::initial_guesses(context).into_iter().map(Effect::$variant));)+
+            $(if $variant::DRIVES.contains(&context.axis.controller.drive) {
+                all.extend($variant::initial_guesses(context).into_iter().map(Effect::$variant));
+            })+
             all
         }
 
@@ -300,6 +303,8 @@ macro_rules! catalogue {
             pub is_linear: bool,
             /// [`EffectModel::NEEDS_FORCE`].
             pub needs_force: bool,
+            /// [`EffectModel::DRIVES`].
+            pub drives: &'static [Drive],
             /// [`EffectModel::CONTAINS`].
             pub contains: &'static [&'static str],
             /// [`EffectModel::PART_OF_DECLARED`].

@@ -6,6 +6,22 @@ use super::residual_shape::ResidualShape;
 use super::stage::Stage;
 use crate::axis::Settings;
 
+/// Channels of an axis in the logs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LoggedChannels {
+    /// A motor reading: that of a stepper may be its command, which is none.
+    pub motor: bool,
+    /// A linear scale.
+    pub scale: bool,
+    /// The force, in every log.
+    pub force: bool,
+}
+
+impl LoggedChannels {
+    /// All of them.
+    pub const ALL: Self = Self { motor: true, scale: true, force: true };
+}
+
 /// Data from which initial guesses are derived.
 #[derive(Clone, Copy, Debug)]
 pub struct EffectContext<'a> {
@@ -17,6 +33,8 @@ pub struct EffectContext<'a> {
     pub others: &'a [String],
     /// Stages that can be evaluated with the logs and the declared model, in any order.
     pub stages: &'a [Stage],
+    /// Channels of the axis in the logs.
+    pub logged: LoggedChannels,
     /// Lowest and highest position of the logged motor or table, mm.
     pub travel_mm: [f64; 2],
     /// Names of the model's effects.
@@ -30,6 +48,12 @@ impl EffectContext<'_> {
     #[must_use]
     pub fn has(&self, stage: Stage) -> bool {
         self.stages.contains(&stage)
+    }
+
+    /// Whether nothing parts a gap from the stretch of the drive train: neither stiffness and masses nor the force are known.
+    #[must_use]
+    pub fn hides_windup(&self) -> bool {
+        self.axis.is_rigid() && !self.logged.force && !self.axis.has_mass()
     }
 
     /// Number of the model's effects of this name.

@@ -11,6 +11,7 @@ macro_rules! delay {
         )];
         const OCCURRENCE: super::declaration::Occurrence = super::declaration::Occurrence::Once;
         const SHOWN_IN: &'static [super::declaration::Stage] = &[super::declaration::Stage::Motor];
+        const DRIVES: &'static [crate::axis::Drive] = &[crate::axis::Drive::Torque];
 
         fn stages(&self) -> &'static [super::declaration::Stage] {
             &[super::declaration::Stage::Motor]

@@ -19,7 +19,7 @@ use super::slope::SlopeOf;
 use super::stage::Stage;
 use super::timing::Timing;
 use super::wording::Wording;
-use crate::axis::Settings;
+use crate::axis::{Drive, Settings};
 
 /// One kind of effect: all that the simulator, the tracer, the report and the demo need, except the equation of motion,
 /// which is in the crate `plant`.
@@ -55,6 +55,9 @@ pub trait EffectModel: Sized + Clone {
 
     /// Whether the effect can be searched for only if every log has the force.
     const NEEDS_FORCE: bool = false;
+
+    /// The kinds of drive with which an axis can have the effect.
+    const DRIVES: &'static [Drive] = Drive::ALL;
 
     /// Names of effects that this one contains as a limit of its parameters: it is no rival of one of these.
     const CONTAINS: &'static [&'static str] = &[];

@@ -223,6 +223,7 @@ mod tests {
             ResidualShape { waves: [37.0, 3.205, 8.0, 3.3].map(wave).to_vec(), ..ResidualShape::default() };
         let context = EffectContext {
             axis: &Settings::default(),
+            logged: super::super::LoggedChannels::ALL,
             first: true,
             others: &[],
             stages: &[Stage::Table],

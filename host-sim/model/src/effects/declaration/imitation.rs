@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use shared::config::Rates;
 
+use super::context::LoggedChannels;
 use super::stage::Stage;
 use crate::axis::Settings;
 
@@ -25,8 +26,8 @@ pub struct ImitationContext<'a> {
     pub axis: &'a Settings,
     /// Stages that were evaluated on this axis.
     pub stages: &'a [Stage],
-    /// Whether the axis has a linear scale in the logs.
-    pub has_table: bool,
+    /// Channels of the axis in the logs.
+    pub logged: LoggedChannels,
     /// Rates of the loops.
     pub rates: Rates,
     /// Half widths of the 95 % confidence intervals of the effect's parameters.
@@ -132,7 +133,7 @@ impl ImitationContext<'_> {
     /// logged.
     #[must_use]
     pub const fn hides_stretch(&self) -> bool {
-        !self.has_table
+        !self.logged.scale
     }
 
     /// The rival of a displacement of the tool by an acceleration of its own axis, m per m/s²; `None`: by that of another axis, which moves
@@ -140,7 +141,7 @@ impl ImitationContext<'_> {
     #[must_use]
     pub fn displaced_head(&self, own_s2: Option<f64>) -> Option<Imitation> {
         let is_allowed = match (&self.head_displacement_s2, own_s2) {
-            (None, _) => self.has_table,
+            (None, _) => self.logged.scale,
             (Some(allowed), Some(own_s2)) => allowed.contains(&own_s2),
             (Some(_), None) => false,
         };

@@ -29,7 +29,7 @@ pub use abscissa::Abscissa;
 pub use any_effect::AnyEffect;
 pub(super) use catalogue::catalogue;
 pub use compensation::EffectCompensation;
-pub use context::{EffectContext, Misplaced, Neighbours, Placement, Prerequisite};
+pub use context::{EffectContext, LoggedChannels, Misplaced, Neighbours, Placement, Prerequisite};
 pub use coordinate::Coordinate;
 pub(super) use delay::delay;
 pub use draw::Draw;

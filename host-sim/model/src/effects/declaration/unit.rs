@@ -18,6 +18,8 @@ pub enum Unit {
     MicrometrePerMinute,
     /// µm per m/s²; millidegrees per 1000°/s².
     MicrometrePerAcceleration,
+    /// m/s²; 1000°/s².
+    MetrePerSecondSquared,
     /// N; N·m.
     Newton,
     /// N/m; N·m per 1000°.
@@ -54,6 +56,7 @@ impl Unit {
             Self::MicrometrePerSquareMetre => ["um_per_m2", "mdeg_per_kdeg2"],
             Self::MicrometrePerMinute => ["um_per_min", "mdeg_per_min"],
             Self::MicrometrePerAcceleration => ["um_s2_per_m", "mdeg_s2_per_kdeg"],
+            Self::MetrePerSecondSquared => ["m_per_s2", "kdeg_per_s2"],
             Self::Newton => ["n", "nm"],
             Self::NewtonPerMetre => ["n_per_m", "nm_per_kdeg"],
             Self::NewtonPerSquareMetre => ["n_per_m2", "nm_per_kdeg2"],
@@ -79,6 +82,7 @@ impl Unit {
             Self::MicrometrePerSquareMetre => ["µm/m²", "mdeg per (1000°)²"],
             Self::MicrometrePerMinute => ["µm/min", "mdeg/min"],
             Self::MicrometrePerAcceleration => ["µm per m/s²", "mdeg per 1000°/s²"],
+            Self::MetrePerSecondSquared => ["m/s²", "1000°/s²"],
             Self::Newton => ["N", "N·m"],
             Self::NewtonPerMetre => ["N/m", "N·m per 1000°"],
             Self::NewtonPerSquareMetre => ["N/m²", "N·m per (1000°)²"],

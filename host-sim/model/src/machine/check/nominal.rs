@@ -1,12 +1,19 @@
 //! Checks that the tables written by a trace, `nominal` and `log_offsets`, match the fitted values.
 
 use super::{Context, parameters};
+use crate::axis::Drive;
 use crate::machine::nominal::TOLERATED;
 use crate::range::Range;
 use files::error::InputError;
 
 /// Largest offset of a zero, 1 m. A larger one has a wrong unit.
 const FARTHEST_ZERO_UM: f64 = 1e6;
+
+/// Longest dead time of a drive, in samples.
+const LONGEST_DEAD_TIME: f64 = 10.0;
+
+/// Largest time constant, ms, and rate, 1/s, of a drive.
+const LARGEST_OF_DRIVE: f64 = 1e3;
 
 /// Relative rounding error of a value at a bound of its tolerance.
 const ROUNDING: f64 = 1e-9;
@@ -46,12 +53,24 @@ impl Context<'_> {
         Ok(())
     }
 
-    /// The `log_offsets` table: zeros within [`FARTHEST_ZERO_UM`], instants within one sample.
+    /// The `log_offsets` table: zeros within [`FARTHEST_ZERO_UM`], instants within a sample, or [`LONGEST_DEAD_TIME`] where the drive is
+    /// not declared, and its time constant and rate within [`LARGEST_OF_DRIVE`].
     pub(super) fn log_offsets(&self, sample_rate_hz: f64) -> Result<(), InputError> {
         let Some(offsets) = &self.axis.log_offsets else { return Ok(()) };
         for (key, value) in offsets.all() {
             if let Some(value) = value {
-                let max = if key.ends_with("_um") { FARTHEST_ZERO_UM } else { 1e3 / sample_rate_hz };
+                let sample_ms = 1e3 / sample_rate_hz;
+                let max = match key {
+                    "velocity_time_constant_ms"
+                    | "velocity_integral_per_s"
+                    | "velocity_friction_m_per_s2" => LARGEST_OF_DRIVE,
+                    "drive_dead_time_ms" => LONGEST_DEAD_TIME * sample_ms,
+                    "table_late_ms" | "tool_late_ms" if self.settings.controller.drive == Drive::Stepper => {
+                        LONGEST_DEAD_TIME * sample_ms
+                    }
+                    zero if zero.ends_with("_um") => FARTHEST_ZERO_UM,
+                    _ => sample_ms,
+                };
                 Range::Within(max).check(&format!("{}.log_offsets.{key}", self.key), value, self.document)?;
             }
         }

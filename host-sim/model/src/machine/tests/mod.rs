@@ -110,6 +110,7 @@ fn every_written_effect_is_read_as_the_same_effect() {
     let others = ["x".to_owned()];
     let with_all_stages = crate::effects::EffectContext {
         axis: &axis,
+        logged: crate::effects::LoggedChannels::ALL,
         first: true,
         others: &others,
         stages: &stages,
@@ -125,6 +126,11 @@ fn every_written_effect_is_read_as_the_same_effect() {
     let force_only = crate::effects::EffectContext { stages: &stages[3..], ..with_all_stages };
     // The angle of the probe is searched on the second axis; errors of the scale are searched as those of the screw.
     let second = crate::effects::EffectContext { first: false, ..with_all_stages };
+    let mut unknown = crate::axis::Settings::default();
+    unknown.controller.drive = crate::axis::Drive::Stepper;
+    unknown.mechanics.lead_mm = Some(5.0);
+    let no_force = crate::effects::LoggedChannels { force: false, ..with_all_stages.logged };
+    let stepper = crate::effects::EffectContext { axis: &unknown, logged: no_force, ..with_all_stages };
     let of_scale =
         ["name = 'scale_gain'\num_per_m = 5", "name = 'scale_cyclic'\namplitude_um = 1\nperiod_mm = 40"];
     let mut all = [with_all_stages, force_only, second]
@@ -132,11 +138,16 @@ fn every_written_effect_is_read_as_the_same_effect() {
         .concat();
     all.extend(of_scale.map(|effect| toml::from_str::<Effect>(effect).unwrap()));
     all.extend(crate::effects::KINDS.iter().flat_map(|kind| (kind.assumed)()));
-    let names: Vec<&str> = all.iter().map(Effect::name).collect();
+    let of_unknown = crate::effects::initial_guesses(&stepper);
+    let names: Vec<&str> = all.iter().chain(&of_unknown).map(Effect::name).collect();
     assert!(crate::effects::names().iter().all(|name| names.contains(name)));
-    for effect in all {
-        machine.axis["y"].effect = vec![effect];
+    // Axis x declares nothing but its name.
+    let placed =
+        all.into_iter().map(|effect| ("y", effect)).chain(of_unknown.into_iter().map(|effect| ("x", effect)));
+    for (axis, effect) in placed {
+        machine.axis[axis].effect = vec![effect];
         assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
+        machine.axis[axis].effect.clear();
     }
 }
 

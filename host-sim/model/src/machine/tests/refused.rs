@@ -29,7 +29,7 @@ const BAD_MACHINES: &[(&str, &str, &str)] = &[
     (
         "motor_mass_kg =",
         "motr_mass_kg =",
-        "line 12: axis.y.motr_mass_kg: unknown key, expected one of controller",
+        "line 12: axis.y.motr_mass_kg: unknown key, expected one of drive, controller",
     ),
     (
         "mass_kg = 90.0",
@@ -56,13 +56,18 @@ const BAD_MACHINES: &[(&str, &str, &str)] = &[
     ("\"hpc\"", "\"pid\"", "line 6: axis.y.controller: expected p or hpc, found \"pid\""),
     (
         "controller = \"hpc\"\n",
-        "",
-        "line 5: axis.y.controller: expected this key, as position_gain_per_s is given, found none",
+        "drive = \"velocity\"\n",
+        "line 9: axis.y.velocity_gain_n_s_per_m: expected no such key, as drive is \"velocity\", found 5e4",
     ),
     (
-        "velocity_gain_n_s_per_m = 5e4\n",
-        "",
-        "line 5: axis.y.velocity_gain_n_s_per_m: expected this key, as controller is given",
+        "controller = \"hpc\"\n",
+        "drive = \"stepper\"\n",
+        "line 7: axis.y.position_gain_per_s: expected no such key, as drive is \"stepper\", found 40.0",
+    ),
+    (
+        "lead_mm = 16.0\n",
+        "lead_mm = 16.0\nfull_steps_per_turn = 400\n",
+        "axis.y.full_steps_per_turn: expected no such key, as drive is \"torque\", found 400",
     ),
     ("60.0", "200.1", "line 8: axis.y.feedforward_percent: expected a number from 0 to 200, found 200.1"),
     (
@@ -109,11 +114,7 @@ fn bad_machines_are_refused_with_line_key_and_expectation() {
 
 /// Keys, values and messages of refused effects of the machine.
 const BAD_EFFECTS: &[(&str, &str, &str)] = &[
-    (
-        "\"backlash\"",
-        "\"slop\"",
-        "line 28: axis.y.effect[0].name: expected one of backlash, pitch_progressive, ",
-    ),
+    ("\"backlash\"", "\"slop\"", "line 28: axis.y.effect[0].name: expected one of backlash, lost_motion, "),
     ("name = \"backlash\"\n", "", "line 27: axis.y.effect[0].name: expected this key, found none"),
     ("width_um = 9.5", "", "line 27: axis.y.effect[0].width_um: expected this key, found none"),
     (

@@ -1,0 +1,96 @@
+//! Stepper motors, with and without an encoder.
+
+use super::{
+    Command, SAMPLE_S, STEPS, Simulated, behind_gap, command_and_acceleration, found, log, machine, names,
+    stepping, swinging,
+};
+use std::f64::consts::TAU;
+use trace::{Trace, trace};
+
+/// A motor whose field holds the rotor as a spring, and the screw behind it.
+struct Axis {
+    /// Angular frequency of the rotor in its field, 1/s.
+    omega: f64,
+    /// Friction of the rotor as a displacement in the field, mm.
+    friction_mm: f64,
+    /// Amplitude and period of the microstep error, mm.
+    microstep_mm: [f64; 2],
+    /// Gap of the nut, mm, and relative error of the lead.
+    gap_mm: f64,
+    slope: f64,
+}
+
+const AXIS: Axis = Axis { omega: 900.0, friction_mm: 0.0, microstep_mm: [0.0, 0.1], gap_mm: 0.0, slope: 0.0 };
+
+/// Relative to the command u, the rotor d = x − u in its field: d" + 2ζω·d' + ω²·d = −u" − friction·sign(v), with ζ = 0.5.
+fn simulated(axis: &Axis, command: Command, seconds: u32) -> Simulated {
+    let h = SAMPLE_S / f64::from(STEPS);
+    let (mut d, mut rate) = (0.0, 0.0);
+    let [mut commands, mut motor] = [const { Vec::<f64>::new() }; 2];
+    let [amplitude_mm, period_mm] = axis.microstep_mm;
+    for i in 0..1000 * seconds {
+        let t = SAMPLE_S * f64::from(i);
+        let u = command(t);
+        commands.push(u);
+        motor.push(u + amplitude_mm * (TAU * u / period_mm + 0.7).sin() + d);
+        for step in 0..STEPS {
+            let now = t + h * f64::from(step);
+            let [u, acceleration] = command_and_acceleration(command, now);
+            let velocity = (command(now + h) - u) / h + rate;
+            let friction = axis.omega * axis.omega * axis.friction_mm * (velocity / 0.05).tanh();
+            rate += h * (-acceleration - friction - axis.omega * rate - axis.omega * axis.omega * d);
+            d += h * rate;
+        }
+    }
+    let scaled: Vec<f64> = motor.iter().map(|x| (1.0 + axis.slope) * x).collect();
+    let table = behind_gap(&scaled, axis.gap_mm);
+    Simulated { command: commands, motor, table }
+}
+
+fn traced(axis: &Axis, has_encoder: bool, seed: u64) -> Trace {
+    let logs = [
+        log("swing.csv", seed, simulated(axis, swinging, 12), has_encoder),
+        log("step.csv", seed + 100, simulated(axis, stepping, 15), has_encoder),
+        log("held.csv", seed + 200, simulated(axis, |t| swinging(t + 3.0), 8), has_encoder),
+    ];
+    let machine = machine("drive = \"stepper\"\nlead_mm = 5.0\n");
+    trace(&machine, &logs[..2], &logs[2..], &|_| {}).unwrap()
+}
+
+#[test]
+fn a_stepper_that_follows_its_command_has_no_effect_but_its_inertia() {
+    for has_encoder in [false, true] {
+        let trace = traced(&AXIS, has_encoder, 1);
+        // Under 0.6 m/s² the rotor lags by a/ω², 0.7 µm.
+        let others: Vec<&str> = names(&trace).into_iter().filter(|name| *name != "windup").collect();
+        assert_eq!(others, [""; 0], "{has_encoder}");
+    }
+}
+
+/// A gap of 5 µm and 2 µm of friction in the field either way are 9 µm of lost motion: one quantity without an encoder. The microsteps
+/// have 1.6 µm with a period of four full steps, 5 mm / 50.
+#[test]
+fn a_stepper_without_an_encoder_shows_lost_motion_and_microsteps() {
+    let axis = Axis { friction_mm: 2e-3, gap_mm: 5e-3, microstep_mm: [1.6e-3, 0.1], slope: 200e-6, ..AXIS };
+    let trace = traced(&axis, false, 2);
+    let (lost, width_um, half) = found(&trace, "lost_motion").unwrap();
+    assert!((width_um - 9.0).abs() < half.max(0.2) && half < 0.5, "{width_um} ± {half}");
+    assert_eq!(lost.rival_names(), ["backlash", "windup", "load_angle"]);
+    let (_, amplitude_um, half) = found(&trace, "microstep_error").unwrap();
+    assert!((amplitude_um - 1.6).abs() < half.max(0.05) && half < 0.2, "{amplitude_um} ± {half}");
+    let (_, slope, half) = found(&trace, "pitch_progressive").unwrap();
+    assert!((slope - 200.0).abs() < half.max(1.0) && half < 5.0, "{slope} ± {half}");
+}
+
+/// With an encoder, the load angle is that of the motor and the lost motion that behind it.
+#[test]
+fn an_encoder_parts_the_load_angle_from_the_lost_motion() {
+    let axis = Axis { friction_mm: 2e-3, gap_mm: 5e-3, microstep_mm: [1.6e-3, 0.1], ..AXIS };
+    let trace = traced(&axis, true, 3);
+    let (_, friction_um, half) = found(&trace, "load_angle").unwrap();
+    assert!((friction_um - 2.0).abs() < half.max(0.1) && half < 0.3, "{friction_um} ± {half}");
+    let (_, width_um, half) = found(&trace, "lost_motion").unwrap();
+    assert!((width_um - 5.0).abs() < half.max(0.1) && half < 0.3, "{width_um} ± {half}");
+    let (_, amplitude_um, half) = found(&trace, "microstep_error").unwrap();
+    assert!((amplitude_um - 1.6).abs() < half.max(0.05) && half < 0.2, "{amplitude_um} ± {half}");
+}

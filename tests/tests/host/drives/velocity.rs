@@ -1,0 +1,115 @@
+//! A position loop that commands the velocity of a drive.
+
+use super::{
+    Command, SAMPLE_S, STEPS, Simulated, behind_gap, found, log, machine, names, stepping, swinging,
+};
+use trace::{Trace, trace};
+
+/// A machine that the machine file does not know.
+struct Axis {
+    /// Kp of the position loop, 1/s.
+    gain_per_s: f64,
+    /// Kf.
+    feedforward: f64,
+    /// Gain of the drive's velocity loop over the mass, 1/s, and its integral time, s.
+    velocity_gain_per_s: f64,
+    integral_s: f64,
+    /// Friction over the mass, m/s².
+    friction: f64,
+    /// Lost motion, mm, and lag of the table per acceleration, mm per m/s².
+    lost_mm: f64,
+    lag_mm: f64,
+}
+
+const AXIS: Axis = Axis {
+    gain_per_s: 45.0,
+    feedforward: 0.8,
+    velocity_gain_per_s: 400.0,
+    integral_s: 0.02,
+    friction: 0.0,
+    lost_mm: 0.0,
+    lag_mm: 0.0,
+};
+
+/// Position loop each millisecond, velocity loop and mass in steps of 50 µs.
+fn simulated(axis: &Axis, command: Command, seconds: u32) -> Simulated {
+    let h = SAMPLE_S / f64::from(STEPS);
+    let (mut x, mut v, mut integral) = (command(0.0), 0.0, 0.0);
+    let [mut commands, mut motor, mut acceleration] = [const { Vec::<f64>::new() }; 3];
+    for i in 0..1000 * seconds {
+        let t = SAMPLE_S * f64::from(i);
+        let (now, before) = (command(t), command(t - SAMPLE_S));
+        commands.push(now);
+        motor.push(x);
+        let wanted = axis.gain_per_s * (now - x) + axis.feedforward * (now - before) / SAMPLE_S;
+        let start = v;
+        for _ in 0..STEPS {
+            let error = wanted - v;
+            integral += error * h / axis.integral_s;
+            v += h * (axis.velocity_gain_per_s * (error + integral) - 1e3 * axis.friction * (v / 0.2).tanh());
+            x += h * v;
+        }
+        acceleration.push(1e-3 * (v - start) / SAMPLE_S);
+    }
+    let behind = behind_gap(&motor, axis.lost_mm);
+    let table = behind.iter().zip(&acceleration).map(|(x, a)| x - axis.lag_mm * a).collect();
+    Simulated { command: commands, motor, table }
+}
+
+fn traced(axis: &Axis, keys: &str, seed: u64) -> Trace {
+    let logs = [
+        log("swing.csv", seed, simulated(axis, swinging, 12), true),
+        log("step.csv", seed + 100, simulated(axis, stepping, 15), true),
+        log("held.csv", seed + 200, simulated(axis, |t| swinging(t + 3.0), 8), true),
+    ];
+    trace(&machine(&format!("drive = \"velocity\"\n{keys}")), &logs[..2], &logs[2..], &|_| {}).unwrap()
+}
+
+const KEYS: &str = "position_gain_per_s = 45.0\nfeedforward_percent = 80.0\n";
+
+/// A velocity loop with an integral part and any bandwidth is part of the model: what it leaves of the motor is no effect.
+#[test]
+fn a_drive_of_unknown_bandwidth_is_no_effect() {
+    for (seed, velocity_gain_per_s) in [(1, 150.0), (2, 400.0), (3, 1500.0)] {
+        let trace = traced(&Axis { velocity_gain_per_s, ..AXIS }, KEYS, seed);
+        assert_eq!(names(&trace), [""; 0], "{velocity_gain_per_s}");
+        let motor = trace.axes[0].residuals.iter().find(|r| r.stage == model::effects::Stage::Motor).unwrap();
+        // The noise of the encoder, 50 nm, and what the steps of the model leave.
+        assert!(motor.after.validate < 0.3, "{velocity_gain_per_s}: {} µm", motor.after.validate);
+    }
+}
+
+/// A position gain 6 % above the declared one, and a feed-forward 3 percentage points below it, beside the unknown drive.
+#[test]
+fn gain_and_feedforward_are_told_from_the_drive() {
+    let trace = traced(&Axis { gain_per_s: 45.0 * 1.06, ..AXIS }, KEYS, 4);
+    let (_, percent, half) = found(&trace, "servo_mismatch").unwrap();
+    assert!((percent - 6.0).abs() < half.max(0.1) && half < 0.5, "{percent} ± {half}");
+    let trace = traced(&Axis { feedforward: 0.77, ..AXIS }, KEYS, 5);
+    let (_, percent, half) = found(&trace, "feedforward_mismatch").unwrap();
+    assert!((percent + 3.0).abs() < half.max(0.1) && half < 0.5, "{percent} ± {half}");
+}
+
+/// 8 µm of lost motion, of which nobody can say how much is a gap, and a lag of 0.9 µm per m/s².
+#[test]
+fn lost_motion_has_its_size_and_names_its_parts_as_rivals() {
+    let axis = Axis { friction: 0.5, lost_mm: 8e-3, lag_mm: 9e-4, ..AXIS };
+    let trace = traced(&axis, KEYS, 6);
+    let (lost, width_um, half) = found(&trace, "lost_motion").unwrap();
+    assert!((width_um - 8.0).abs() < half.max(0.1) && half < 0.3, "{width_um} ± {half}");
+    assert_eq!(lost.rival_names(), ["backlash", "windup"]);
+    let (_, lag, half) = found(&trace, "windup").unwrap();
+    assert!((lag - 0.9).abs() < half.max(0.02) && half < 0.1, "{lag} ± {half}");
+    assert!(found(&trace, "backlash").is_none(), "{:?}", names(&trace));
+}
+
+/// A machine file with names alone: the motor stage says which keys it lacks, and the table stage finds the same.
+#[test]
+fn a_machine_file_may_hold_nothing_but_the_kind_of_drive() {
+    let axis = Axis { lost_mm: 8e-3, ..AXIS };
+    let trace = traced(&axis, "", 7);
+    let (_, width_um, half) = found(&trace, "lost_motion").unwrap();
+    assert!((width_um - 8.0).abs() < half.max(0.1) && half < 0.3, "{width_um} ± {half}");
+    let needs: Vec<&str> = trace.axes[0].not_testable.iter().map(|stage| stage.needs.as_str()).collect();
+    assert!(needs.iter().any(|needs| needs.contains("position_gain_per_s in the machine file")), "{needs:?}");
+}
