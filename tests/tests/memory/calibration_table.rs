@@ -9,7 +9,7 @@ use model::machine::Machine;
 use trace::TraceOptions;
 use trace::fit::axis_model::AxisModel;
 use trace::fit::held_effects::MAX_FITTED;
-use trace::fit::scope::{Mechanics, Scope};
+use trace::fit::scope::{Mechanics, Scope, ShownIn};
 
 /// The demo's machine with a calibration table of axis x: a wave of 1 µm. Without points: no table.
 fn machine(points: u32) -> Machine {
@@ -32,7 +32,7 @@ fn machine(points: u32) -> Machine {
 fn parameters(points: u32) -> usize {
     let machine = machine(points);
     let model = AxisModel::new(&machine.axis["x"], machine.rates(), TraceOptions::default().model);
-    let scope = Scope { stages: vec![Stage::Table, Stage::Force], mechanics: Mechanics::All };
+    let scope = Scope { stages: vec![Stage::Table, Stage::Force], mechanics: Mechanics::All, shown_in: ShownIn::default() };
     model.free_parameters(&scope).len()
 }
 
