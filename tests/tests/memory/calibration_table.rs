@@ -32,7 +32,11 @@ fn machine(points: u32) -> Machine {
 fn parameters(points: u32) -> usize {
     let machine = machine(points);
     let model = AxisModel::new(&machine.axis["x"], machine.rates(), TraceOptions::default().model);
-    let scope = Scope { stages: vec![Stage::Table, Stage::Force], mechanics: Mechanics::All, shown_in: ShownIn::default() };
+    let scope = Scope {
+        stages: vec![Stage::Table, Stage::Force],
+        mechanics: Mechanics::All,
+        shown_in: ShownIn::default(),
+    };
     model.free_parameters(&scope).len()
 }
 

@@ -130,7 +130,9 @@ fn every_written_effect_is_read_as_the_same_effect() {
     unknown.controller.drive = crate::axis::Drive::Stepper;
     unknown.mechanics.lead_mm = Some(5.0);
     let no_force = crate::effects::LoggedChannels { force: false, ..with_all_stages.logged };
-    let stepper = crate::effects::EffectContext { axis: &unknown, logged: no_force, ..with_all_stages };
+    let other = ["y".to_owned()];
+    let stepper =
+        crate::effects::EffectContext { axis: &unknown, others: &other, logged: no_force, ..with_all_stages };
     let of_scale =
         ["name = 'scale_gain'\num_per_m = 5", "name = 'scale_cyclic'\namplitude_um = 1\nperiod_mm = 40"];
     let mut all = [with_all_stages, force_only, second]

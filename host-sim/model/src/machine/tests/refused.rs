@@ -65,8 +65,8 @@ const BAD_MACHINES: &[(&str, &str, &str)] = &[
         "line 7: axis.y.position_gain_per_s: expected no such key, as drive is \"stepper\", found 40.0",
     ),
     (
-        "lead_mm = 16.0\n",
-        "lead_mm = 16.0\nfull_steps_per_turn = 400\n",
+        "lead_mm = 16",
+        "lead_mm = 16\nfull_steps_per_turn = 400",
         "axis.y.full_steps_per_turn: expected no such key, as drive is \"torque\", found 400",
     ),
     ("60.0", "200.1", "line 8: axis.y.feedforward_percent: expected a number from 0 to 200, found 200.1"),
