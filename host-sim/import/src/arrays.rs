@@ -40,7 +40,11 @@ pub fn columns(arrays: Vec<Array>, notes: &mut Vec<String>) -> Vec<ForeignColumn
                 columns.extend(of_matrix(&array, [rows, width], notes));
             }
             _ => {
-                notes.push(format!("not read: {}, an array of {:?} values", quoted(&array.name), array.shape))
+                notes.push(format!(
+                    "not read: {}, an array of {:?} values",
+                    quoted(&array.name),
+                    array.shape
+                ));
             }
         }
     }

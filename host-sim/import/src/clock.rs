@@ -46,7 +46,8 @@ pub fn uniform(
         let values = grid.sampled(&times_s, &table.columns[column.column].values);
         let values: Vec<f64> = values.into_iter().map(|value| column.conversion.factor * value).collect();
         let values = if column.conversion.is_rate { integral::of(&values, grid.period_s) } else { values };
-        if let Some(value) = values.iter().find(|value| !(value.abs() <= MAX_MEASURED)) {
+        let is_measured = |value: f64| value.is_finite() && value.abs() <= MAX_MEASURED;
+        if let Some(value) = values.iter().find(|value| !is_measured(**value)) {
             let name = AxisLog::new(column.axis.as_str(), column.unit).column(column.channel);
             let expected = "numbers from −1e9 to 1e9 in the unit of the log (is --unit right?)";
             return Err(InputError::expected(source, expected, value).at_key(&name));

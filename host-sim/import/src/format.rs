@@ -5,11 +5,11 @@ use std::str::FromStr;
 /// What a file is read as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// `halsampler` of `LinuxCNC`: numbers between spaces, with `-t` after the number of the sample; no header.
+    /// `halsampler` of LinuxCNC: numbers between spaces, with `-t` after the number of the sample; no header.
     Halsampler,
-    /// `halscope` of `LinuxCNC`: the sampling period in the first line.
+    /// `halscope` of LinuxCNC: the sampling period in the first line.
     Halscope,
-    /// Export of `TwinCAT` Scope as text: blocks of columns, each with its own times.
+    /// Export of TwinCAT Scope as text: blocks of columns, each with its own times.
     Twincat,
     /// Accelerations that Klipper records.
     Klipper,

@@ -183,7 +183,8 @@ mod tests {
         assert_eq!((columns[0].name.as_str(), columns[0].unit.as_deref()), ("t", Some("us")));
         assert_eq!(columns[0].values, [0.0, 1e3, 2e3, 3e3, 4e3, 5e3]);
         let x = &columns[1].values;
-        assert_eq!([x[0], x[2], x[3], x[5]], [0.1, 0.3, 0.1, 0.3]);
+        let whole: Vec<f64> = x.iter().copied().filter(|x| !x.is_nan()).collect();
+        assert_eq!(whole, [0.1, 0.3, 0.1, 0.3]);
         assert!(x[1].is_nan() && x[4].is_nan() && x.len() == 6 && columns.len() == 2);
         assert_eq!(notes, ["not read: \"what\", no numbers"]);
     }

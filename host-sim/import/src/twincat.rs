@@ -1,4 +1,4 @@
-//! Exports of `TwinCAT` Scope as text: blocks of columns beside each other, each with its own times in milliseconds.
+//! Exports of TwinCAT Scope as text: blocks of columns beside each other, each with its own times in milliseconds.
 //!
 //! A block begins where the line of names says `Name` again; that cell is above its times, and the names of its channels follow. Blocks of a
 //! longer period end earlier, or repeat their rows. The other lines of the header (`SampleTime[ms]`, `Unit`, …) repeat their key
