@@ -4,10 +4,11 @@
 
 use bytes::Bytes;
 use files::error::{InputError, quoted};
-use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type};
+use parquet::basic::{CompressionCodec, ConvertedType, LogicalType, TimeUnit, Type};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
+use parquet::file::metadata::RowGroupMetaData;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
@@ -16,6 +17,10 @@ use crate::table::ForeignColumn;
 
 /// Rows that are read at once.
 const BATCH: usize = 1 << 16;
+
+/// Packings whose output is limited by the length that a page tells.
+const PACKINGS: [CompressionCodec; 3] =
+    [CompressionCodec::UNCOMPRESSED, CompressionCodec::SNAPPY, CompressionCodec::ZSTD];
 
 /// Reads the columns of numbers; others are told.
 ///
@@ -29,6 +34,15 @@ pub fn columns(
 ) -> Result<Vec<ForeignColumn>, InputError> {
     let reader =
         SerializedFileReader::new(Bytes::copy_from_slice(bytes)).map_err(|cause| broken(source, &cause))?;
+    let mut chunks = reader.metadata().row_groups().iter().flat_map(RowGroupMetaData::columns);
+    if let Some(other) = chunks.find(|chunk| !PACKINGS.contains(&chunk.compression_codec())) {
+        let found = format!("{:?}", other.compression_codec());
+        return Err(InputError::expected(
+            source,
+            "columns that are packed by Snappy, Zstandard or not at all",
+            found,
+        ));
+    }
     let mut reading = Reading { budget, source };
     let mut columns = Vec::new();
     for (index, column) in reader.metadata().file_metadata().schema_descr().columns().iter().enumerate() {

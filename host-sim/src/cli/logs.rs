@@ -27,9 +27,7 @@ fn read_one(path: &Path) -> Result<Log, InputError> {
         }
         return Ok(imported.log);
     }
-    let is_csv = path.file_name().and_then(|name| name.to_str()).is_none_or(|name| {
-        let name = name.to_lowercase();
-        name == "-" || name.ends_with(".csv") || name.ends_with(".gz")
-    });
+    let is_csv =
+        path.extension().is_none_or(|own| ["csv", "gz"].iter().any(|other| own.eq_ignore_ascii_case(other)));
     Log::read(path).map_err(|error| if is_csv { error } else { advised(error) })
 }
