@@ -35,9 +35,13 @@ pub fn uniform(
 ) -> Result<Log, InputError> {
     let times_s = times_s(table, &chosen, rate_hz, source)?;
     let rows = valid_rows(table, &chosen, &times_s, source, notes)?;
+    let too_few = |count| InputError::expected(source, "two rows at different times or more", count);
+    if rows.len() < 2 {
+        return Err(too_few(rows.len()));
+    }
     let grid = Grid::of(&times_s, &rows, notes);
     if grid.rows.len() < 2 {
-        return Err(InputError::expected(source, "two rows at different times or more", grid.rows.len()));
+        return Err(too_few(grid.rows.len()));
     }
     let rate = grid.period_s.recip();
     notes.push(format!("{} samples at {rate:.6} Hz: sample_rate_hz of the machine file", grid.samples()));
@@ -287,6 +291,13 @@ mod tests {
         assert_on_line(&imported, 250, 0.45);
         assert!((imported.log.start_s - 0.15).abs() < 1e-12);
         assert!(has(&imported, "100 rows are left out"), "{:?}", imported.notes);
+    }
+
+    /// No row has both values.
+    #[test]
+    fn rows_that_are_all_incomplete_are_an_error() {
+        let message = imported("t,x\n0,\n,1\n1,\n,2\n", None).unwrap_err();
+        assert!(message.contains("two rows at different times or more, found 0"), "{message}");
     }
 
     #[test]
