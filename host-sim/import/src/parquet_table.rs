@@ -2,6 +2,8 @@
 //!
 //! Pages packed by gzip, Brotli and LZ4 are not read: nothing would limit what they unpack to.
 
+use std::panic::{self, AssertUnwindSafe};
+
 use bytes::Bytes;
 use files::error::{InputError, quoted};
 use parquet::basic::{CompressionCodec, ConvertedType, LogicalType, TimeUnit, Type};
@@ -24,9 +26,25 @@ const PACKINGS: [CompressionCodec; 3] =
 
 /// Reads the columns of numbers; others are told.
 ///
+/// The crate `parquet` 60 panics on some broken pages (in `byte_stream_split_decoder.rs`, for one): that is an error of the file here. The
+/// message of the panic is not printed; the hook that prints it is exchanged while the file is read.
+///
 /// # Errors
 /// If the file is broken, or unpacks to more than `budget`.
 pub fn columns(
+    bytes: &[u8],
+    budget: Budget,
+    source: &str,
+    notes: &mut Vec<String>,
+) -> Result<Vec<ForeignColumn>, InputError> {
+    let hook = panic::take_hook();
+    panic::set_hook(Box::new(|_| {}));
+    let columns = panic::catch_unwind(AssertUnwindSafe(|| read(bytes, budget, source, notes)));
+    panic::set_hook(hook);
+    columns.unwrap_or_else(|_| Err(InputError::expected(source, "a Parquet file", "a broken page")))
+}
+
+fn read(
     bytes: &[u8],
     budget: Budget,
     source: &str,
