@@ -6,7 +6,7 @@
 #   tests/deep.sh miri [MODULE…]       tests/miri.sh
 #   tests/deep.sh properties [SEEDS]   the property tests with this many new seeds (100): the usual run has a fixed one
 #   tests/deep.sh bits                 a million ticks of random motions, host against emulated core, fixed point and f32
-#   tests/deep.sh fuzz [SECONDS]       fuzzing of the link and of the lock-step protocol (600), with cargo-fuzz and nightly
+#   tests/deep.sh fuzz [SECONDS]       fuzzing of link, lock-step protocol and readers of foreign logs (600), with cargo-fuzz
 #
 # A PART is a module of shared/src: control, drive, feedback, safety, monitor, machine, lockstep unless named; link,
 # homing, storage, capture, compensate and others by name; also a file of one, as machine/reference. A file that is done is
@@ -151,16 +151,19 @@ sweep() {
     cargo test --release --package tests --test host incomplete_logs:: -- --ignored --nocapture
 }
 
-# Fuzzing, half of the time for each target. The corpus is kept in fuzz/corpus for the next run.
+# Fuzzing, a quarter of the time for each target. The corpus is kept in fuzz/corpus for the next run.
 fuzz() {
   command -v cargo-fuzz >/dev/null || cargo install cargo-fuzz --locked
   rustup toolchain list | grep -q '^nightly' || rustup toolchain install nightly --profile minimal
-  local target
-  for target in link lockstep; do
+  local target limit_mb
+  for target in link lockstep import_text import_binary; do
     step "fuzz $target"
     mkdir -p "fuzz/corpus/$target"
-    cargo +nightly fuzz run --fuzz-dir fuzz "$target" "fuzz/corpus/$target" "fuzz/seeds/$target" -- -max_total_time=$(($1 / 2)) -max_len=4096 \
-      -print_final_stats=1 -rss_limit_mb=1024
+    # A page of a Parquet file may claim 2 GiB, which are reserved before it is found to be shorter.
+    limit_mb=1024
+    if [ "$target" = import_binary ]; then limit_mb=4096; fi
+    cargo +nightly fuzz run --fuzz-dir fuzz "$target" "fuzz/corpus/$target" "fuzz/seeds/$target" -- -max_total_time=$(($1 / 4)) -max_len=4096 \
+      -print_final_stats=1 -rss_limit_mb="$limit_mb"
   done
 }
 

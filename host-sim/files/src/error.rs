@@ -39,6 +39,12 @@ impl InputError {
         Self::new(file, format!("expected a readable file: {cause}"))
     }
 
+    /// This error with what to do about it, in brackets.
+    #[must_use]
+    pub fn with_advice(self, advice: &str) -> Self {
+        Self { problem: format!("{} ({})", self.problem, one_line(advice)), ..self }
+    }
+
     /// This error at a line of the file, counted from 1.
     #[must_use]
     pub fn at_line(self, line: usize) -> Self {
@@ -116,6 +122,12 @@ mod tests {
             .at_key("x_motor_mm");
         let wanted = "fit.csv: line 17: x_motor_mm: expected a finite number, found \"NaN\"";
         assert_eq!(error.to_string(), wanted);
+    }
+
+    #[test]
+    fn advice_is_in_brackets() {
+        let error = InputError::new("a.csv", "is a picture").with_advice("draw\nit");
+        assert_eq!(error.to_string(), "a.csv: is a picture (draw it)");
     }
 
     #[test]

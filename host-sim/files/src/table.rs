@@ -13,7 +13,7 @@ use crate::error::{InputError, line_at, quoted};
 use crate::segments::{Segments, open};
 
 /// Largest absolute value of a measured value, in mm, degrees, N or N·m. A larger one has a wrong unit or decimal point.
-const MAX_MEASURED: f64 = 1e9;
+pub const MAX_MEASURED: f64 = 1e9;
 
 /// A table that is read row by row.
 pub struct Table<'a> {

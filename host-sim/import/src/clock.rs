@@ -5,8 +5,10 @@
 
 use files::error::InputError;
 use files::log::{AxisLog, Log};
+use files::table::MAX_MEASURED;
 
 use crate::columns::Chosen;
+use crate::integral;
 use crate::table::ForeignTable;
 
 /// Greatest number of lost rows in a place that a straight line bridges: at 1 kHz 10 ms, in which an axis at 1 m/s² departs from it by
@@ -33,16 +35,27 @@ pub fn uniform(
 ) -> Result<Log, InputError> {
     let times_s = times_s(table, &chosen, rate_hz, source)?;
     let rows = valid_rows(table, &chosen, &times_s, source, notes)?;
+    let too_few = |count| InputError::expected(source, "two rows at different times or more", count);
+    if rows.len() < 2 {
+        return Err(too_few(rows.len()));
+    }
     let grid = Grid::of(&times_s, &rows, notes);
     if grid.rows.len() < 2 {
-        return Err(InputError::expected(source, "two rows at different times or more", grid.rows.len()));
+        return Err(too_few(grid.rows.len()));
     }
     let rate = grid.period_s.recip();
     notes.push(format!("{} samples at {rate:.6} Hz: sample_rate_hz of the machine file", grid.samples()));
     let mut axes: Vec<AxisLog> = Vec::new();
     for column in chosen.channels {
         let values = grid.sampled(&times_s, &table.columns[column.column].values);
-        let values = values.into_iter().map(|value| column.factor * value).collect();
+        let values: Vec<f64> = values.into_iter().map(|value| column.conversion.factor * value).collect();
+        let values = if column.conversion.is_rate { integral::of(&values, grid.period_s) } else { values };
+        let is_measured = |value: f64| value.is_finite() && value.abs() <= MAX_MEASURED;
+        if let Some(value) = values.iter().find(|value| !is_measured(**value)) {
+            let name = AxisLog::new(column.axis.as_str(), column.unit).column(column.channel);
+            let expected = "numbers from −1e9 to 1e9 in the unit of the log (is --unit right?)";
+            return Err(InputError::expected(source, expected, value).at_key(&name));
+        }
         let known = axes.iter().position(|axis| axis.name == column.axis);
         let axis = known.unwrap_or_else(|| {
             axes.push(AxisLog::new(column.axis, column.unit));
@@ -52,6 +65,11 @@ pub fn uniform(
     }
     let start_s = times_s[grid.rows[0].0];
     Ok(Log { source: source.to_owned(), start_s, sample_time_s: grid.period_s, axes })
+}
+
+/// Number of rows of the chosen columns, which are of equal length.
+fn rows(table: &ForeignTable, chosen: &Chosen) -> usize {
+    chosen.channels.first().map_or(0, |channel| table.columns[channel.column].values.len())
 }
 
 /// The time of each row, s; NaN where its cell is empty.
@@ -71,7 +89,7 @@ fn times_s(
         return Ok(table.columns[time.column].values.iter().map(|value| factor * value).collect());
     }
     let period_s = period_s.ok_or_else(needed)?;
-    Ok((0..table.rows()).map(|row| period_s * row as f64).collect())
+    Ok((0..rows(table, chosen)).map(|row| period_s * row as f64).collect())
 }
 
 /// The rows that have all values, at times that increase.
@@ -84,10 +102,11 @@ fn valid_rows(
 ) -> Result<Vec<usize>, InputError> {
     let columns = || chosen.channels.iter().map(|channel| &table.columns[channel.column].values);
     let is_whole = |&row: &usize| times_s[row].is_finite() && columns().all(|column| column[row].is_finite());
-    let whole: Vec<usize> = (0..table.rows()).filter(is_whole).collect();
-    let incomplete = table.rows() - whole.len();
+    let all = rows(table, chosen);
+    let whole: Vec<usize> = (0..all).filter(is_whole).collect();
+    let incomplete = all - whole.len();
     if incomplete > 0 {
-        notes.push(format!("{incomplete} of {} rows have an empty cell and are left out", table.rows()));
+        notes.push(format!("{incomplete} of {all} rows have an empty cell and are left out"));
     }
     let mut rows: Vec<usize> = Vec::new();
     let count = whole.len();
@@ -211,7 +230,7 @@ mod tests {
 
     fn imported(text: &str, rate_hz: Option<f64>) -> Result<Imported, String> {
         let mappings = vec!["x_motor_mm=x".parse().unwrap()];
-        of_bytes(text.as_bytes(), "a.csv", &Request { mappings, units: Vec::new(), rate_hz })
+        of_bytes(text.as_bytes(), "a.csv", &Request { mappings, rate_hz, ..Request::default() })
             .map_err(|error| error.to_string())
     }
 
@@ -272,6 +291,13 @@ mod tests {
         assert_on_line(&imported, 250, 0.45);
         assert!((imported.log.start_s - 0.15).abs() < 1e-12);
         assert!(has(&imported, "100 rows are left out"), "{:?}", imported.notes);
+    }
+
+    /// No row has both values.
+    #[test]
+    fn rows_that_are_all_incomplete_are_an_error() {
+        let message = imported("t,x\n0,\n,1\n1,\n,2\n", None).unwrap_err();
+        assert!(message.contains("two rows at different times or more, found 0"), "{message}");
     }
 
     #[test]

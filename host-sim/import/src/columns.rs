@@ -3,8 +3,10 @@
 use files::error::{InputError, quoted};
 use files::log::{ALLOWED, AxisLog, Channel, Unit, channel_of};
 
+use crate::conversion::{Conversion, Units};
+use crate::format::Format;
 use crate::request::{Mapping, Request};
-use crate::table::{ForeignColumn, ForeignTable, Writer};
+use crate::table::{ForeignColumn, ForeignTable};
 use crate::unit::Quantity;
 
 /// Our name of the column of times.
@@ -36,8 +38,8 @@ pub struct ChosenChannel {
     pub unit: Unit,
     /// Index of the column.
     pub column: usize,
-    /// Units of the log per unit of the column.
-    pub factor: f64,
+    /// How its values become those of a log.
+    pub conversion: Conversion,
 }
 
 /// The columns of a log.
@@ -65,7 +67,7 @@ pub fn choose(
     for (ours, column) in &named {
         let (name, foreign) = (ours.as_str(), &table.columns[*column]);
         if name == TIME {
-            let factor = units.factor(name, Quantity::Time, foreign, notes)?;
+            let Conversion { factor, .. } = units.conversion(name, Quantity::Time, foreign, notes)?;
             chosen.time = Some(TimeColumn { column: *column, factor: Some(factor) });
             continue;
         }
@@ -74,8 +76,14 @@ pub fn choose(
             let expected = format!("unit {} as of its other columns", other.unit.suffix(channel));
             return Err(InputError::expected("--map", expected, quoted(name)));
         }
-        let factor = units.factor(name, Quantity::of(unit, channel.is_force()), foreign, notes)?;
-        chosen.channels.push(ChosenChannel { axis: axis.to_owned(), channel, unit, column: *column, factor });
+        let conversion = units.conversion(name, Quantity::of(unit, channel.is_force()), foreign, notes)?;
+        chosen.channels.push(ChosenChannel {
+            axis: axis.to_owned(),
+            channel,
+            unit,
+            column: *column,
+            conversion,
+        });
     }
     for unit in &request.units {
         if !named.iter().any(|(ours, _)| *ours == unit.ours) {
@@ -89,7 +97,7 @@ pub fn choose(
         let found =
             format!("the columns {}", listed(table.columns.iter().map(|column| column.name.as_str())));
         let expected = "--map OURS=THEIRS for at least one channel, such as --map x_command_mm=THEIRS";
-        return Err(InputError::expected(source, expected, found).at_line(table.header_line));
+        return Err(table.at_header(InputError::expected(source, expected, found)));
     }
     note_ignored(table, &named, &chosen, notes);
     Ok(chosen)
@@ -134,7 +142,7 @@ fn position(table: &ForeignTable, theirs: &str, source: &str) -> Result<usize, I
             Some(name) => format!("a column of the file (did you mean {}?)", quoted(name)),
             None => format!("a column of the file: {}", listed(names())),
         };
-        InputError::expected(source, expected, quoted(theirs)).at_line(table.header_line)
+        table.at_header(InputError::expected(source, expected, quoted(theirs)))
     })
 }
 
@@ -161,41 +169,6 @@ fn likely<'a>(name: &str, among: impl Iterator<Item = &'a str>) -> Option<&'a st
     (likeness >= LIKENESS).then_some(best)
 }
 
-/// What the units of columns follow from.
-struct Units<'a> {
-    request: &'a Request,
-    source: &'a str,
-}
-
-impl Units<'_> {
-    /// Units of the log per unit of a column, which is that of the user, of the header, or else our own.
-    fn factor(
-        &self,
-        ours: &str,
-        quantity: Quantity,
-        column: &ForeignColumn,
-        notes: &mut Vec<String>,
-    ) -> Result<f64, InputError> {
-        let asked = self.request.units.iter().find(|unit| unit.ours == ours).map(|unit| unit.unit.as_str());
-        let name = quoted(&column.name);
-        let Some(unit) = asked.or(column.unit.as_deref()) else {
-            if column.name != ours {
-                let own = ours.rsplit('_').next().unwrap_or_default();
-                notes.push(format!(
-                    "{ours}: column {name} is taken as {own}; --unit {ours}=UNIT says otherwise"
-                ));
-            }
-            return Ok(1.0);
-        };
-        let Some(factor) = quantity.factor(unit) else {
-            let place = if asked.is_some() { "--unit" } else { self.source };
-            return Err(InputError::expected(place, quantity.allowed(), quoted(unit)).at_key(ours));
-        };
-        notes.push(format!("{ours}: column {name}, {unit}"));
-        Ok(factor)
-    }
-}
-
 /// The first column of `halsampler -t`, which counts samples.
 fn counter(table: &ForeignTable, named: &[(String, usize)]) -> Option<TimeColumn> {
     let is_free = named.iter().all(|(_, column)| *column != 0);
@@ -203,7 +176,7 @@ fn counter(table: &ForeignTable, named: &[(String, usize)]) -> Option<TimeColumn
     let steps = values.windows(2).filter(|pair| (pair[1] - pair[0]).to_bits() == 1f64.to_bits()).count();
     let counts =
         values.iter().all(|value| value.round().to_bits() == value.to_bits()) && 2 * steps > values.len();
-    let is_counter = table.writer == Writer::Halsampler && is_free && counts;
+    let is_counter = table.format == Format::Halsampler && is_free && counts;
     is_counter.then_some(TimeColumn { column: 0, factor: None })
 }
 
@@ -211,7 +184,8 @@ fn note_ignored(table: &ForeignTable, named: &[(String, usize)], chosen: &Chosen
     let is_used = |index: usize| {
         named.iter().any(|(_, used)| *used == index) || chosen.time.is_some_and(|time| time.column == index)
     };
-    let ignored = (0..table.columns.len()).filter(|&index| !is_used(index));
+    let is_clock = |index: usize| table.columns.iter().any(|column| column.times == Some(index));
+    let ignored = (0..table.columns.len()).filter(|&index| !is_used(index) && !is_clock(index));
     let names: Vec<&str> = ignored.map(|index| table.columns[index].name.as_str()).collect();
     if !names.is_empty() {
         notes.push(format!("not used: {}", listed(names.into_iter())));
@@ -236,12 +210,12 @@ mod tests {
         Request {
             mappings: mappings.iter().map(|text| text.parse().unwrap()).collect(),
             units: units.iter().map(|text| text.parse().unwrap()).collect(),
-            rate_hz: None,
+            ..Request::default()
         }
     }
 
     fn chosen(text: &str, request: &Request) -> Result<(Chosen, Vec<String>), String> {
-        let table = ForeignTable::parse(text, "a.csv", &mut Vec::new()).unwrap();
+        let table = crate::separated::parse(text, None, "a.csv", &mut Vec::new()).unwrap();
         let mut notes = Vec::new();
         let chosen = choose(&table, request, "a.csv", &mut notes).map_err(|error| error.to_string())?;
         Ok((chosen, notes))
@@ -254,7 +228,7 @@ mod tests {
         let request = request(&["x_command_mm=X cmd", "x_motor_mm=x act"], &["x_motor_mm=um"]);
         let (chosen, notes) = chosen(&TEXT.replace("Time", "time"), &request).unwrap();
         assert_eq!(chosen.time, Some(TimeColumn { column: 0, factor: Some(1e-3) }));
-        let of = |index: usize| (chosen.channels[index].column, chosen.channels[index].factor);
+        let of = |index: usize| (chosen.channels[index].column, chosen.channels[index].conversion.factor);
         assert_eq!([of(0), of(1)], [(1, 25.4), (2, 1e-3)]);
         assert!(notes.iter().any(|note| note == "not used: \"spindle\""), "{notes:?}");
     }
@@ -266,6 +240,16 @@ mod tests {
         assert!(of("x_command_mm=X cnd").contains("did you mean \"X cmd\"?"));
         assert!(of("x_command_mm=quite another").contains("\"Time\", \"X cmd\", \"X act\", \"spindle\""));
         assert!(chosen(TEXT, &request(&[], &[])).unwrap_err().contains("--map OURS=THEIRS"));
+    }
+
+    #[test]
+    fn a_velocity_is_integrated_if_it_is_asked_for() {
+        let text = TEXT.replace("X act", "v (mm/s)");
+        let without = chosen(&text, &request(&["x_motor_mm=v"], &[])).unwrap_err();
+        assert!(without.contains("--unit x_motor_mm=mm/s to integrate"), "{without}");
+        let (with, notes) = chosen(&text, &request(&["x_motor_mm=v"], &["x_motor_mm=m/s"])).unwrap();
+        assert_eq!(with.channels[0].conversion, Conversion { factor: 1e3, is_rate: true });
+        assert!(notes.iter().any(|note| note.contains("begins at zero")), "{notes:?}");
     }
 
     #[test]

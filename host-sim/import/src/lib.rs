@@ -1,21 +1,40 @@
 //! Logs that other programs wrote.
 //!
-//! A foreign file becomes a [`Log`] in five steps, each of which says what it assumed:
+//! A foreign file becomes a [`Log`] in four steps, each of which says what it assumed:
 //!
-//! - [`text`]: bytes to lines, in the encoding of the file
-//! - [`dialect`]: the separator of the columns and the decimal sign
-//! - [`table`]: header, units, comments and rows; the [`Writer`](table::Writer) is recognised by content
-//! - [`columns`]: by the [`request`] of the user, which column is which channel, with the [`unit`](mod@unit) of each
-//! - [`clock`]: the times of a uniform clock; lost, repeated and late rows are counted and bridged
+//! - [`read`]: bytes to a [`table`] of columns, by the [`mod@format`] that is recognised or asked for: [`separated`] [`text`] of any
+//!   [`dialect`], [`twincat`], [`matlab`], [`numpy`], [`parquet_table`], [`mcap_messages`]
+//! - [`columns`]: by the [`request`] of the user, which column is which channel, with the
+//!   [`conversion`] of its [`unit`](mod@unit)
+//! - [`groups`]: columns of several clocks as rows of one
+//! - [`clock`]: the times of a uniform clock; lost, repeated and late rows are counted and bridged; a velocity becomes its
+//!   [`integral`]
+//!
+//! [`save`] writes a log as CSV, Parquet or MCAP.
 //!
 //! Nothing is invented: a channel that is not mapped is not in the log, and a time that neither the file nor the user gives is asked for.
 
+pub mod arrays;
+pub mod budget;
 pub mod clock;
 pub mod columns;
+pub mod conversion;
 pub mod dialect;
+pub mod format;
+pub mod groups;
+pub mod integral;
+pub mod matlab;
+pub mod mcap_messages;
+pub mod numbers;
+pub mod numpy;
+pub mod parquet_table;
+pub mod read;
 pub mod request;
+pub mod save;
+pub mod separated;
 pub mod table;
 pub mod text;
+pub mod twincat;
 pub mod unit;
 
 use std::path::Path;
@@ -24,7 +43,6 @@ use files::error::InputError;
 use files::log::Log;
 
 use request::Request;
-use table::ForeignTable;
 
 /// A log, and what was assumed and changed on the way to it.
 #[derive(Clone, Debug)]
@@ -44,15 +62,22 @@ pub fn import(path: &Path, request: &Request) -> Result<Imported, InputError> {
     of_bytes(&text::read(path, &source)?, &source, request)
 }
 
+/// Whether a file has the name of a binary format, which no log of our own is.
+#[must_use]
+pub fn is_binary(path: &Path) -> bool {
+    let extensions = ["mat", "npy", "npz", "parquet", "mcap"];
+    path.extension().is_some_and(|own| extensions.iter().any(|other| own.eq_ignore_ascii_case(other)))
+}
+
 /// Reads a foreign file from its bytes; `source` is its name for messages.
 ///
 /// # Errors
 /// As [`import`].
 pub fn of_bytes(bytes: &[u8], source: &str, request: &Request) -> Result<Imported, InputError> {
     let mut notes = Vec::new();
-    let text = text::decode(bytes, source, &mut notes)?;
-    let table = ForeignTable::parse(&text, source, &mut notes)?;
-    let chosen = columns::choose(&table, request, source, &mut notes)?;
+    let mut table = read::table(bytes, request.preset, source, &mut notes)?;
+    let mut chosen = columns::choose(&table, request, source, &mut notes)?;
+    groups::join(&mut table, &mut chosen, source, &mut notes)?;
     let log = clock::uniform(&table, chosen, request.rate_hz, source, &mut notes)?;
     Ok(Imported { log, notes })
 }
@@ -68,7 +93,7 @@ mod tests {
         #[test]
         fn no_text_causes_a_panic(text in "([-0-9.,;\t a\u{b5}#e]{0,24}\n){0,12}", rate in proptest::option::of(1e-3..1e6_f64)) {
             let mappings = vec![Mapping { ours: "x_motor_mm".to_owned(), theirs: "1".to_owned() }];
-            let request = Request { mappings, units: Vec::new(), rate_hz: rate };
+            let request = Request { mappings, rate_hz: rate, ..Request::default() };
             if let Err(error) = of_bytes(text.as_bytes(), "a.txt", &request) {
                 prop_assert_eq!(error.to_string().lines().count(), 1);
             }

@@ -2,6 +2,8 @@
 
 use std::str::FromStr;
 
+use crate::format::Format;
+
 /// What the user says of a file.
 #[derive(Clone, Debug, Default)]
 pub struct Request {
@@ -11,6 +13,8 @@ pub struct Request {
     pub units: Vec<UnitOf>,
     /// Samples per second, if the file has no times.
     pub rate_hz: Option<f64>,
+    /// The format, if it is not to be recognised by content.
+    pub preset: Option<Format>,
 }
 
 /// A channel and the column that holds it: `x_command_mm=X cmd`.

@@ -1,26 +1,18 @@
 //! Bytes to text.
 
-use std::io::Read;
 use std::path::Path;
 
 use files::error::InputError;
 use files::segments::open;
 
-/// Greatest size of an unpacked file: 64 million numbers of eight characters. A small gzip file can unpack to any size.
-const MAX_BYTES: u64 = 1 << 29;
+use crate::budget::Budget;
 
 /// Reads a file into memory, unpacked.
 ///
 /// # Errors
 /// If the file cannot be read, or is larger than 512 MiB unpacked.
 pub fn read(path: &Path, source: &str) -> Result<Vec<u8>, InputError> {
-    let mut bytes = Vec::new();
-    let read = open(path, source)?.take(MAX_BYTES + 1).read_to_end(&mut bytes);
-    read.map_err(|cause| InputError::unreadable(source, &cause))?;
-    if bytes.len() as u64 > MAX_BYTES {
-        return Err(InputError::expected(source, "at most 512 MiB (unpacked)", "more"));
-    }
-    Ok(bytes)
+    Budget::file().read(open(path, source)?, source)
 }
 
 /// The text of a file: UTF-8, UTF-16 with a byte order mark, or else Latin-1, in which instruments write µ and °.

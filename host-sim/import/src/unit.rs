@@ -69,6 +69,28 @@ impl Quantity {
         known.map(|(_, factor)| *factor)
     }
 
+    /// How many of the unit of a log per second one of the given unit is: `mm/s`, `rev/min`, `counts/s*SCALE`. `None`: not a
+    /// velocity of this quantity.
+    #[must_use]
+    pub fn rate_factor(self, unit: &str) -> Option<f64> {
+        let lower = unit.to_lowercase();
+        match self {
+            Self::Angle if lower == "rpm" => return Some(6.0),
+            Self::Angle | Self::Length => {}
+            _ => return None,
+        }
+        if let Some(scale) = unit.strip_prefix("counts/s*") {
+            return self.factor(&format!("counts*{scale}"));
+        }
+        let (base, per) = lower.rsplit_once('/')?;
+        let factor = self.factor(base.trim())?;
+        match per.trim() {
+            "s" | "sec" => Some(factor),
+            "min" => Some(factor / 60.0),
+            _ => None,
+        }
+    }
+
     /// The names of its units, for a message.
     #[must_use]
     pub fn allowed(self) -> String {
@@ -81,7 +103,8 @@ impl Quantity {
 #[must_use]
 pub fn is_unit(text: &str) -> bool {
     use Quantity::{Angle, Force, Length, Time, Torque};
-    [Length, Angle, Force, Torque, Time].into_iter().any(|quantity| quantity.factor(text).is_some())
+    let is_of = |quantity: Quantity| quantity.factor(text).or_else(|| quantity.rate_factor(text)).is_some();
+    [Length, Angle, Force, Torque, Time].into_iter().any(is_of)
 }
 
 /// Name and unit of a header: `X cmd (in)`, `pos [µm]`, `time/ms`.
@@ -124,7 +147,28 @@ mod tests {
     }
 
     #[test]
+    fn velocities_are_converted() {
+        let near = |quantity: Quantity, unit: &str, expected: f64| {
+            let factor = quantity.rate_factor(unit).unwrap();
+            assert!((factor / expected - 1.0).abs() < 1e-12, "{unit}: {factor}");
+        };
+        near(Quantity::Length, "mm/s", 1.0);
+        near(Quantity::Length, "m/s", 1e3);
+        near(Quantity::Length, "in/min", 25.4 / 60.0);
+        near(Quantity::Length, "counts/s*0.0005", 5e-4);
+        near(Quantity::Angle, "rad/s", 180.0 / std::f64::consts::PI);
+        near(Quantity::Angle, "rpm", 6.0);
+        near(Quantity::Angle, "rev/min", 6.0);
+        assert_eq!(Quantity::Length.rate_factor("rpm"), None);
+        assert_eq!(Quantity::Length.rate_factor("mm"), None);
+        assert_eq!(Quantity::Length.rate_factor("mm/s/s"), None);
+        assert_eq!(Quantity::Force.rate_factor("N/s"), None);
+        assert_eq!(Quantity::Length.rate_factor("counts/s*0"), None);
+    }
+
+    #[test]
     fn a_header_has_name_and_unit() {
+        assert_eq!(split("v [mm/s]"), ("v", Some("mm/s")));
         assert_eq!(split("X cmd (in)"), ("X cmd", Some("in")));
         assert_eq!(split("pos [µm]"), ("pos", Some("µm")));
         assert_eq!(split("Time/ms"), ("Time", Some("ms")));

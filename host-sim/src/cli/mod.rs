@@ -12,6 +12,7 @@ mod import;
 mod improve;
 mod input_error;
 mod logged_run;
+mod logs;
 mod margins;
 mod outputs;
 mod progress;

@@ -6,9 +6,8 @@ use anyhow::Result;
 
 use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
-use super::{friction_map, summary};
+use super::{friction_map, logs, summary};
 use contour::log_error::LogError;
-use files::log::Log;
 use files::output::write_whole;
 use model::machine::Machine;
 use report::trace_page::{self, Extra};
@@ -78,10 +77,9 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     ];
     check_outputs(&inputs, &outputs)?;
     let machine = Machine::read(machine)?;
-    let read = |paths: &[PathBuf]| paths.iter().map(|path| Log::read(path)).collect::<Result<Vec<_>, _>>();
     let progress = Progress::start();
     progress.show("reading the logs");
-    let (fit, validate) = (read(&arguments.fit)?, read(&arguments.validate)?);
+    let (fit, validate) = (logs::read(&arguments.fit)?, logs::read(&arguments.validate)?);
     // Before the trace, which leaves memory in pieces that a path cannot use.
     let contour_errors = LogError::all(fit.iter().chain(&validate));
     let show = |what: &str| progress.show(what);

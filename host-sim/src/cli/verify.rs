@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use serde_json::json;
 
+use super::logs;
 use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
 use super::sound_logs::SoundLogs;
@@ -119,8 +120,7 @@ fn verified(
 ) -> Result<(Vec<VerifiedMotion>, Vec<String>), InputError> {
     let progress = Progress::start();
     progress.show("reading the logs");
-    let read = |paths: &[PathBuf]| paths.iter().map(|path| Log::read(path)).collect::<Result<Vec<_>, _>>();
-    let (before, after) = (read(&arguments.before)?, read(&arguments.after)?);
+    let (before, after) = (logs::read(&arguments.before)?, logs::read(&arguments.after)?);
     for log in before.iter().chain(&after) {
         check_axes(log, machine)?;
     }

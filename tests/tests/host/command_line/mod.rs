@@ -5,6 +5,7 @@ mod board_arguments;
 mod compare;
 mod compensate;
 mod import;
+mod import_formats;
 mod improve;
 mod margins;
 mod refused;
