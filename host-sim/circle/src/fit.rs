@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 use super::samples::Samples;
-use super::term::Term;
+use super::term::{Shape, Term};
 
 /// Relative step of the numerical derivative by the parameter of a term.
 const STEP: f64 = 1e-4;
@@ -31,17 +31,22 @@ impl Model {
         self.groups.push(start..self.terms.len());
     }
 
-    /// Removes the terms that were added last.
-    pub fn remove_last(&mut self) {
-        if let Some(last) = self.groups.pop() {
-            self.terms.truncate(last.start);
-        }
-    }
-
     /// The parameter of a group.
     #[must_use]
     pub fn parameter(&self, group: usize) -> f64 {
         self.terms[self.groups[group].start].parameter().unwrap_or(1.0)
+    }
+
+    /// The same model with another shape of the spike of a group; itself if it is none.
+    #[must_use]
+    pub fn with_shape(&self, group: usize, shape: Shape) -> Self {
+        let mut model = self.clone();
+        for term in &mut model.terms[self.groups[group].clone()] {
+            if let Term::Spike(axis, _, width) = *term {
+                *term = Term::Spike(axis, shape, width);
+            }
+        }
+        model
     }
 
     fn set_parameter(&mut self, group: usize, value: f64) {
@@ -84,6 +89,16 @@ impl Fit {
         let right = columns.tr_mul(&self.residual);
         let coefficients = inverse(&remaining) * &right;
         (right.dot(&coefficients), coefficients)
+    }
+
+    /// Variance of the part of the residual that the sample before does not predict, µm².
+    #[must_use]
+    pub fn unpredicted_variance(&self) -> f64 {
+        let values = self.residual.as_slice();
+        let square: f64 = self.residual.norm_squared();
+        let product: f64 = values.iter().zip(values.iter().skip(1)).map(|(a, b)| a * b).sum();
+        let correlation = product / square.max(1e-300);
+        square / values.len().max(1) as f64 * (1.0 - correlation * correlation)
     }
 
     /// Rms of the residual, µm.

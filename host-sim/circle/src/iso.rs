@@ -138,7 +138,7 @@ mod tests {
             let arc = usize::from(i >= steps);
             let direction = if arc == 0 { 1.0 } else { -1.0 };
             let angle = direction * TAU * (f64::from(i) + 0.5) / f64::from(steps);
-            Instant { angle, direction, speed: 1.0, time_s: 0.0, arc }
+            Instant { arc, ..Instant::new(angle, direction) }
         };
         let instants: Vec<Instant> = (0..2 * steps).map(at).collect();
         let radial = instants.iter().map(|at| of(at.angle, at.direction)).collect();

@@ -7,7 +7,7 @@
 //! - [`term`]: the terms of the deviation, with their equations
 //! - [`fit`], [`covariance`]: least squares, and intervals under correlated noise
 //! - [`search`], [`selection`]: spikes, waves and vibrations, and how many of them the samples support
-//! - [`part`], `builder`, [`parts`], `lag`, `stick_slip`, [`rivals`]: from coefficients to parts
+//! - [`part`], `builder`, [`parts`], `lag`, `stick_slip`, `spike_profile`, [`rivals`]: from coefficients to parts
 //! - [`json`], [`text`]: the result for a file, and for a terminal
 
 mod builder;
@@ -25,6 +25,7 @@ pub mod rivals;
 pub mod samples;
 pub mod search;
 pub mod selection;
+mod spike_profile;
 mod stick_slip;
 pub mod term;
 pub mod text;
@@ -41,6 +42,9 @@ const MIN_COVERED_DEG: f64 = 270.0;
 
 /// The tangential deviation is taken for none below this fraction of the radial one.
 const MIN_TANGENTIAL: f64 = 0.2;
+
+/// Sine of the smallest angle from the axes, 25°, at which both are compared.
+const MIN_FROM_AXES: f64 = 0.42;
 
 /// What a circle is made of.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,7 +116,9 @@ fn with_enough(measured: Measured) -> Result<Measured, InputError> {
 /// Whether positions of both axes contain no more than a radius: nothing along the circle but noise and a constant.
 fn is_radial_only(samples: &Samples) -> bool {
     let Observed::Both([x, y]) = &samples.observed else { return false };
-    let each = || samples.instants.iter().zip(x.iter().zip(y));
+    // Peaks at the reversals are radial by themselves, on either kind of position.
+    let is_between = |at: &samples::Instant| at.position[0].abs().min(at.position[1].abs()) > MIN_FROM_AXES;
+    let each = || samples.instants.iter().zip(x.iter().zip(y)).filter(|(at, _)| is_between(at));
     let radial_um: Vec<f64> = each().map(|(at, (x, y))| radial(at, [*x, *y])).collect();
     let along = |sign: f64| -> Vec<f64> {
         let of_way = each().filter(|(at, _)| at.direction * sign > 0.0);

@@ -1,9 +1,14 @@
 //! A measured circle, from whatever file.
 
+use std::f64::consts::PI;
+
 use super::samples::{Samples, wrapped};
 
 /// Angle after a reversal in which a spike may be, rad.
-const AFTER_REVERSAL_RAD: f64 = 15.0 * std::f64::consts::PI / 180.0;
+const AFTER_REVERSAL_RAD: f64 = 15.0 * PI / 180.0;
+
+/// Steps of the sampling around a reversal that are left out: on which side of it a sample is, is not known.
+const AT_REVERSAL_STEPS: f64 = 1.5;
 
 /// Tolerance of the angle at which an arc starts, rad.
 const START_RAD: f64 = 1e-3;
@@ -34,11 +39,12 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// The samples whose last reversals were on the same arc, or are further behind than a spike. What happened before the start of an
-    /// arc is not known.
+    /// The samples that are not at a reversal, and whose last reversals were on the same arc or are further behind than a spike. What
+    /// happened before the start of an arc is not known.
     #[must_use]
     pub fn after_known_reversals(&self) -> Samples {
         let samples = &self.samples;
+        let at_reversal = AT_REVERSAL_STEPS * samples.step_rad();
         let mut is_known = vec![true; samples.instants.len()];
         for (arc, start_rad) in samples.arcs.iter().zip(&self.starts_rad) {
             let mut travelled = *start_rad;
@@ -48,7 +54,8 @@ impl Measured {
                 }
                 is_known[i] = (0..2).all(|axis| {
                     let since = samples.instants[i].since_reversal(axis);
-                    since > AFTER_REVERSAL_RAD || travelled > since + START_RAD
+                    let is_behind = since > AFTER_REVERSAL_RAD || travelled > since + START_RAD;
+                    is_behind && since.min(PI - since) > at_reversal
                 });
             }
         }

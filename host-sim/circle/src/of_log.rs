@@ -213,14 +213,13 @@ impl<'a> Signals<'a> {
             let start = instants.len();
             for i in arc.samples.clone() {
                 let at = Instant {
-                    angle: angles[i],
-                    direction: arc.direction,
                     speed: arc.speed_mm_s / top_speed,
                     time_s: self.start_s + i as f64 * self.sample_s,
                     arc: number,
+                    ..Instant::new(angles[i], arc.direction)
                 };
                 for (axis, deviation) in deviations.iter_mut().enumerate() {
-                    deviation.push(1e3 * (self.measured[axis][i] - radius_mm * at.position()[axis]));
+                    deviation.push(1e3 * (self.measured[axis][i] - radius_mm * at.position[axis]));
                 }
                 instants.push(at);
             }

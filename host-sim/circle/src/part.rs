@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use contour::sectors::{SECTORS, middle_rad};
 
 use super::samples::{Instant, radial};
-use super::term::Term;
+use super::term::{Shape, Term};
 
 /// The names of parts, as in `circle --json`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -112,6 +112,11 @@ impl Frame {
     /// Radial deviation of terms over one turn in a direction: angle (rad) and µm.
     #[must_use]
     pub fn curve(&self, terms: &[(Term, f64)], is_clockwise: bool) -> Vec<(f64, f64)> {
+        (0..SECTORS).map(|sector| self.point(terms, is_clockwise, middle_rad(sector))).collect()
+    }
+
+    /// An angle, rad, and the radial deviation of terms there, µm.
+    fn point(&self, terms: &[(Term, f64)], is_clockwise: bool, angle: f64) -> (f64, f64) {
         let direction = if is_clockwise { -1.0 } else { 1.0 };
         let rad_per_s = self.speed_mm_s.unwrap_or(0.0) / self.radius_mm;
         // A vibration is drawn with the phase of the first arc.
@@ -119,16 +124,20 @@ impl Frame {
             Term::Vibration(_, _, arc, _) => Some(*arc),
             _ => None,
         });
-        let at = |sector: usize| {
-            let angle = middle_rad(sector);
-            let time_s = if rad_per_s > 0.0 { angle / rad_per_s } else { 0.0 };
-            Instant { angle, direction, speed: 1.0, time_s, arc: arc.unwrap_or(0) }
-        };
-        let sum = |at: &Instant| -> f64 {
-            let of = |(term, um): &(Term, f64)| um * radial(at, term.displacement(at, self.radius_mm));
-            terms.iter().map(of).sum()
-        };
-        (0..SECTORS).map(|sector| (middle_rad(sector), sum(&at(sector)))).collect()
+        let time_s = if rad_per_s > 0.0 { angle / rad_per_s } else { 0.0 };
+        let at = Instant { time_s, arc: arc.unwrap_or(0), ..Instant::new(angle, direction) };
+        let of = |(term, um): &(Term, f64)| um * radial(&at, term.displacement(&at, self.radius_mm));
+        (angle, terms.iter().map(of).sum())
+    }
+
+    /// Angles in a sector at which terms are evaluated: 50 in a period of a wave.
+    fn per_sector(&self, terms: &[(Term, f64)]) -> usize {
+        const PER_PERIOD: f64 = 50.0;
+        let Some((Term::Wave(_, pitch_mm, _), _)) = terms.first() else { return 1 };
+        let sector_mm = TAU * self.radius_mm / SECTORS as f64;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number")]
+        let count = (PER_PERIOD * sector_mm / pitch_mm).ceil() as usize;
+        count.max(1)
     }
 
     /// Range over both measured directions, zero included, µm.
@@ -138,8 +147,15 @@ impl Frame {
             // Where the axis points along the radius, the whole amplitude is radial, both ways.
             return 2.0 * amplitude(terms);
         }
+        if let Some((Term::Spike(_, shape, width), um)) = terms.first() {
+            // The peak may be narrower than a sector.
+            let peak_rad = if *shape == Shape::Rise { *width } else { 0.0 };
+            return (um * peak_rad.cos()).abs();
+        }
         let measured = [false, true].into_iter().zip(self.directions).filter(|(_, is)| *is);
-        let values = measured.flat_map(|(way, _)| self.curve(terms, way)).map(|point| point.1);
+        let count = SECTORS * self.per_sector(terms);
+        let angle = |i: usize| TAU * (i as f64 + 0.5) / count as f64;
+        let values = measured.flat_map(|(way, _)| (0..count).map(move |i| self.point(terms, way, angle(i)).1));
         numerics::peak_to_peak(values.chain([0.0]))
     }
 }

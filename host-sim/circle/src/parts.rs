@@ -7,6 +7,7 @@ use super::part::{Detail, Frame, Name, Part, degrees};
 use super::rivals;
 use super::samples::Samples;
 use super::selection::Fitted;
+use super::spike_profile;
 use super::stick_slip;
 use super::term::{Shape, Term};
 
@@ -112,4 +113,5 @@ fn describe_spike(builder: &Builder<'_>, part: &mut Part, shape: Shape, width: E
     if let Some(speed_mm_s) = builder.samples.speed_mm_s {
         part.details.push(width.times(1e3 * builder.samples.radius_mm / speed_mm_s).detail("width_ms"));
     }
+    spike_profile::correct(builder, part);
 }

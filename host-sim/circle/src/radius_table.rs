@@ -19,6 +19,12 @@ use files::table::{Row, Table};
 use super::measured::{Measured, faults};
 use super::samples::{Instant, Observed, Samples, wrapped};
 
+/// A longer time between two rows, in typical ones, separates two runs.
+const MAX_PAUSE: f64 = 1.5;
+
+/// Smallest number of rows of a run.
+const MIN_ROWS: usize = 10;
+
 /// What a table does not contain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Nominal {
@@ -152,8 +158,14 @@ fn split(mut readings: Vec<Reading>) -> Vec<Vec<Reading>> {
         let directions: Vec<f64> = travel(&readings);
         readings.iter_mut().zip(directions).for_each(|(reading, d)| reading.direction = Some(d));
     }
-    let mut runs: Vec<Vec<Reading>> =
-        readings.chunk_by(|a, b| a.direction == b.direction).map(<[Reading]>::to_vec).collect();
+    let steps: Vec<f64> = readings.windows(2).filter_map(|pair| Some((pair[1].time_s? - pair[0].time_s?).abs())).collect();
+    let longest_s = MAX_PAUSE * numerics::median(&steps).unwrap_or(f64::INFINITY);
+    let is_one = |a: &Reading, b: &Reading| {
+        let pause_s = a.time_s.zip(b.time_s).map_or(0.0, |(from, to)| (to - from).abs());
+        a.direction == b.direction && pause_s <= longest_s
+    };
+    let mut runs: Vec<Vec<Reading>> = readings.chunk_by(is_one).map(<[Reading]>::to_vec).collect();
+    runs.retain(|run| run.len() >= MIN_ROWS);
     for run in &mut runs {
         let travelled: f64 = run.windows(2).map(step).sum();
         // A clockwise run may be listed by rising angles.
@@ -253,7 +265,7 @@ fn placed(run: &[Reading], radius_mm: f64, nominal: Nominal) -> Vec<Instant> {
         let time_s = reading.time_s.unwrap_or(0.0);
         let travelled = rad_per_s * (time_s - start_s).abs();
         let angle = reading.angle.unwrap_or(nominal.start_deg.to_radians() + direction * travelled);
-        Instant { angle: angle.rem_euclid(TAU), direction, speed: 1.0, time_s, arc: 0 }
+        Instant { time_s, ..Instant::new(angle.rem_euclid(TAU), direction) }
     };
     run.iter().map(at).collect()
 }

@@ -8,6 +8,8 @@ use std::ops::Range;
 pub struct Instant {
     /// Angle of the nominal point, rad.
     pub angle: f64,
+    /// Cosine and sine of the angle: position of both axes relative to the radius.
+    pub position: [f64; 2],
     /// +1 counter-clockwise, from + of the first axis to + of the second; −1 clockwise.
     pub direction: f64,
     /// Speed relative to [`Samples::speed_mm_s`]; 1 if the speed is not known.
@@ -19,17 +21,17 @@ pub struct Instant {
 }
 
 impl Instant {
-    /// Cosine and sine of the angle: position of both axes relative to the radius.
+    /// A sample at an angle, rad, and in a direction, without its time.
     #[must_use]
-    pub fn position(&self) -> [f64; 2] {
-        let (sin, cos) = self.angle.sin_cos();
-        [cos, sin]
+    pub fn new(angle: f64, direction: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self { angle, position: [cos, sin], direction, speed: 1.0, time_s: 0.0, arc: 0 }
     }
 
     /// Sign of the velocity of an axis.
     #[must_use]
     pub fn velocity_sign(&self, axis: usize) -> f64 {
-        let [cos, sin] = self.position();
+        let [cos, sin] = self.position;
         self.direction * if axis == 0 { -sin.signum() } else { cos.signum() }
     }
 
@@ -108,7 +110,7 @@ impl Samples {
     pub fn seen(&self, axis: usize) -> (usize, Vec<f64>) {
         match self.observed {
             Observed::Both(_) => (axis * self.instants.len(), vec![1.0; self.instants.len()]),
-            Observed::Radial(_) => (0, self.instants.iter().map(|at| at.position()[axis]).collect()),
+            Observed::Radial(_) => (0, self.instants.iter().map(|at| at.position[axis]).collect()),
         }
     }
 
@@ -153,7 +155,7 @@ impl Samples {
         let radius_um = 1e3 * self.radius_mm;
         let point = |(i, at): (usize, &Instant)| match &self.observed {
             Observed::Both([x, y]) => {
-                let [cos, sin] = at.position();
+                let [cos, sin] = at.position;
                 let (px, py) = (radius_um * cos + x[i], radius_um * sin + y[i]);
                 (py.atan2(px), px.hypot(py) - radius_um)
             }
@@ -177,6 +179,14 @@ impl Samples {
         Self { instants, arcs, observed, ..*self }
     }
 
+    /// Fewer samples, of which no two are nearer than an angle, rad.
+    #[must_use]
+    pub fn thinned(&self, step_rad: f64) -> Self {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
+        let stride = ((step_rad / self.step_rad().max(1e-9)).floor() as usize).max(1);
+        self.filtered(|i| i % stride == 0)
+    }
+
     /// The same samples with the radial deviation alone.
     #[must_use]
     pub fn radial_only(&self) -> Self {
@@ -188,7 +198,7 @@ impl Samples {
 /// Radial part of a displacement of both axes.
 #[must_use]
 pub fn radial(at: &Instant, [x, y]: [f64; 2]) -> f64 {
-    let [cos, sin] = at.position();
+    let [cos, sin] = at.position;
     x * cos + y * sin
 }
 

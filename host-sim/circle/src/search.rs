@@ -1,6 +1,7 @@
 //! The search for what is not linear in its parameter: spikes over their width, waves over their pitch, vibrations over their frequency.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -57,16 +58,19 @@ pub fn cyclic(samples: &Samples, fit: &Fit, axis: usize) -> Option<Candidate> {
     let bin_mm = 0.25 * min_pitch;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of bins")]
     let bins = (2.0 * radius / bin_mm).ceil() as usize + 1;
-    let mut sums = vec![0.0; bins];
+    // Means and not sums: an axis is slow at its ends, where more samples are.
+    let mut sums = vec![(0.0, 0.0); bins];
     let (first, factors) = samples.seen(axis);
     for (i, (at, factor)) in samples.instants.iter().zip(&factors).enumerate() {
-        let place = radius * (1.0 + at.position()[axis]) / bin_mm;
+        let place = radius * (1.0 + at.position[axis]) / bin_mm;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the bins")]
         let bin = (place as usize).min(bins - 1);
-        sums[bin] += factor * fit.residual[first + i];
+        sums[bin].0 += factor * fit.residual[first + i];
+        sums[bin].1 += 1.0;
     }
+    let means: Vec<f64> = sums.iter().map(|(sum, count): &(f64, f64)| sum / count.max(1.0)).collect();
     let length = PADDING * bins;
-    let power = PowerSpectrum::new(length).of(&sums);
+    let power = PowerSpectrum::new(length).of(&means);
     let per_mm = |bin: f64| bin / (length as f64 * bin_mm);
     let lowest = length as f64 * bin_mm / (MAX_PITCH_RADII * radius);
     let highest = length as f64 * bin_mm / min_pitch;
@@ -81,15 +85,13 @@ pub fn cyclic(samples: &Samples, fit: &Fit, axis: usize) -> Option<Candidate> {
 #[must_use]
 pub fn vibration(samples: &Samples, fit: &Fit, axis: usize) -> Option<Candidate> {
     let (sample_s, speed) = (samples.sample_s?, samples.speed_mm_s?);
-    let (first, factors) = samples.seen(axis);
-    let values: Vec<f64> =
-        factors.iter().enumerate().map(|(i, factor)| factor * fit.residual[first + i]).collect();
-    let longest = samples.arcs.iter().map(ExactSizeIterator::len).max()?;
+    let series: Vec<Vec<f64>> = in_time(samples, fit, axis, sample_s);
+    let longest = series.iter().map(Vec::len).max()?;
     let length = (PADDING * longest).next_power_of_two();
     let transform = PowerSpectrum::new(length);
     let mut power = vec![0.0; length / 2];
-    for arc in &samples.arcs {
-        let of_arc = transform.of(&values[arc.clone()]);
+    for values in &series {
+        let of_arc = transform.of(values);
         power.iter_mut().zip(of_arc).for_each(|(sum, value)| *sum += value);
     }
     let bins_per_hz = length as f64 * sample_s;
@@ -97,7 +99,7 @@ pub fn vibration(samples: &Samples, fit: &Fit, axis: usize) -> Option<Candidate>
     let peak = peak(&power, lowest, MAX_RATES * length as f64)?;
     let line = |bin: f64| -> f64 {
         let hz = bin / bins_per_hz;
-        samples.arcs.iter().map(|arc| power_at(&values[arc.clone()], hz * sample_s)).sum()
+        series.iter().map(|values| power_at(values, hz * sample_s)).sum()
     };
     let hz = maximum(line, [peak - 1.5, peak + 1.5], 20) / bins_per_hz;
     let arcs = (0..samples.arcs.len()).filter(|&arc| !samples.arcs[arc].is_empty());
@@ -106,6 +108,24 @@ pub fn vibration(samples: &Samples, fit: &Fit, axis: usize) -> Option<Candidate>
         .collect();
     let columns: DMatrix<f64> = matrix(samples, &terms);
     Some((fit.gain(&columns).0, terms))
+}
+
+/// The residual of an axis in each arc, uniform in time: samples that were left out are zero.
+fn in_time(samples: &Samples, fit: &Fit, axis: usize, sample_s: f64) -> Vec<Vec<f64>> {
+    let (first, factors) = samples.seen(axis);
+    let of_arc = |arc: &Range<usize>| {
+        let Some(start) = samples.instants.get(arc.start).filter(|_| !arc.is_empty()) else { return Vec::new() };
+        let mut values = Vec::new();
+        for i in arc.clone() {
+            let time_s = (samples.instants[i].time_s - start.time_s).abs();
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
+            let place = (time_s / sample_s).round() as usize;
+            values.resize(place.max(values.len()), 0.0);
+            values.push(factors[i] * fit.residual[first + i]);
+        }
+        values
+    };
+    samples.arcs.iter().map(of_arc).collect()
 }
 
 /// |Σ value·exp(i·2π·f·k)|² per value, with the frequency f in turns per sample.

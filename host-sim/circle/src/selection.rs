@@ -6,10 +6,13 @@ use super::covariance::Covariance;
 use super::fit::{Fit, Model, derivatives, refined};
 use super::samples::Samples;
 use super::search::{self, Candidate};
-use super::term::Term;
+use super::term::{Shape, Term};
 
 /// Greatest number of spikes, waves and vibrations.
 const MAX_ADDED: usize = 8;
+
+/// Angle between samples for the search of spikes, rad: 0.1°.
+const COARSE_RAD: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
 /// Greatest number of waves, and of vibrations, of an axis.
 const MAX_OF_A_KIND: usize = 2;
@@ -90,17 +93,45 @@ pub fn smooth_terms(samples: &Samples) -> Vec<Term> {
 pub fn fitted(samples: &Samples) -> Fitted {
     let model = Model { terms: smooth_terms(samples), groups: Vec::new() };
     let fit = Fit::new(samples, &model.terms);
+    let coarse = samples.thinned(COARSE_RAD);
     let mut best = Fitted::new(samples, model, fit);
     for _ in 0..MAX_ADDED {
-        let Some(next) = extended(samples, &best) else { break };
+        let next = extended(samples, &coarse, &best);
+        // The shape of a spike was chosen before the parts that were found after it.
+        let Some(next) = next.or_else(|| reshaped(samples, &coarse, &best)) else { break };
         best = next;
     }
     best
 }
 
+/// The model with better shapes of its spikes; `None` if they are the best.
+fn reshaped(samples: &Samples, coarse: &Samples, before: &Fitted) -> Option<Fitted> {
+    let mut model = before.model.clone();
+    let error = |model: &mut Model| refined(coarse, model).residual.norm_squared();
+    for group in 0..model.groups.len() {
+        let mut candidates: Vec<Model> = Shape::ALL.iter().map(|shape| model.with_shape(group, *shape)).collect();
+        candidates.dedup();
+        let errors: Vec<f64> = candidates.iter_mut().map(error).collect();
+        let best = (0..candidates.len()).min_by(|&a, &b| errors[a].total_cmp(&errors[b]))?;
+        model = candidates.swap_remove(best);
+    }
+    let shape = |model: &Model| -> Vec<Option<Shape>> {
+        let of = |term: &Term| if let Term::Spike(_, shape, _) = term { Some(*shape) } else { None };
+        model.terms.iter().map(of).collect()
+    };
+    if shape(&model) == shape(&before.model) {
+        return None;
+    }
+    let fit = refined(samples, &mut model);
+    Some(Fitted::new(samples, model, fit))
+}
+
 /// The model with the candidate that explains most, among those that are significant.
-fn extended(samples: &Samples, before: &Fitted) -> Option<Fitted> {
-    let mut candidates = candidates(samples, before);
+fn extended(samples: &Samples, coarse: &Samples, before: &Fitted) -> Option<Fitted> {
+    let mut candidates = candidates(samples, coarse, before);
+    // What explains less than this cannot be significant, as correlation of the noise only widens the errors of what varies slowly.
+    let least = MIN_AMPLITUDE * MIN_AMPLITUDE * before.fit.unpredicted_variance();
+    candidates.retain(|(gain, _)| *gain > least);
     candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
     candidates.into_iter().find_map(|(_, terms)| {
         let mut model = before.model.clone();
@@ -116,21 +147,27 @@ fn extended(samples: &Samples, before: &Fitted) -> Option<Fitted> {
 }
 
 /// The best candidate of each kind and axis.
-fn candidates(samples: &Samples, before: &Fitted) -> Vec<Candidate> {
+fn candidates(samples: &Samples, coarse: &Samples, before: &Fitted) -> Vec<Candidate> {
     let count = |is: &dyn Fn(&Term) -> bool| {
         before.model.groups.iter().filter(|group| is(&before.model.terms[group.start])).count()
     };
+    let coarse_fit = Fit::new(coarse, &before.model.terms);
+    // A fall of the sum of squares of a part of the samples stands for that of all.
+    let all = samples.instants.len() as f64 / coarse.instants.len().max(1) as f64;
     let of_axis = |axis: usize| {
         let spikes = count(&|term| matches!(term, Term::Spike(a, ..) if *a == axis));
         let waves = count(&|term| matches!(term, Term::Wave(a, ..) if *a == axis));
         let vibrations = count(&|term| matches!(term, Term::Vibration(a, ..) if *a == axis));
         let fit = &before.fit;
         [
-            (spikes == 0).then(|| search::spike(samples, fit, axis)).flatten(),
+            (spikes == 0)
+                .then(|| search::spike(coarse, &coarse_fit, axis))
+                .flatten()
+                .map(|(gain, terms)| (all * gain, terms)),
             (waves < MAX_OF_A_KIND).then(|| search::cyclic(samples, fit, axis)).flatten(),
             (vibrations < MAX_OF_A_KIND).then(|| search::vibration(samples, fit, axis)).flatten(),
         ]
     };
-    let (x, y) = (of_axis(0), of_axis(1));
+    let (x, y) = rayon::join(|| of_axis(0), || of_axis(1));
     x.into_iter().chain(y).flatten().collect()
 }

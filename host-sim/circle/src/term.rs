@@ -99,7 +99,7 @@ impl Term {
     /// Displacement of both axes at a sample, µm per µm of the coefficient.
     #[must_use]
     pub fn displacement(&self, at: &Instant, radius_mm: f64) -> [f64; 2] {
-        let [cos, sin] = at.position();
+        let [cos, sin] = at.position;
         let d = at.direction * at.speed;
         match *self {
             Self::Centre(axis) => along(axis, 1.0),
@@ -113,10 +113,10 @@ impl Term {
             Self::Backlash(axis) => along(axis, -0.5 * at.velocity_sign(axis)),
             Self::Play(axis) => along(1 - axis, -0.5 * at.velocity_sign(axis)),
             Self::Spike(axis, shape, width) => {
-                along(axis, at.position()[axis].signum() * shape.at(at.since_reversal(axis), width))
+                along(axis, at.position[axis].signum() * shape.at(at.since_reversal(axis), width))
             }
             Self::Wave(axis, pitch_mm, is_cosine) => {
-                along(axis, wave(radius_mm * at.position()[axis] / pitch_mm, is_cosine))
+                along(axis, wave(radius_mm * at.position[axis] / pitch_mm, is_cosine))
             }
             Self::Vibration(axis, hz, arc, is_cosine) => {
                 along(axis, if at.arc == arc { wave(hz * at.time_s, is_cosine) } else { 0.0 })

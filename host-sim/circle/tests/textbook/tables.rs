@@ -63,3 +63,29 @@ fn parts_of_a_radius_are_found_under_correlated_noise() {
     println!("{coverage:?}");
     assert!((0.90..=0.999).contains(&coverage.fraction()), "{coverage:?}");
 }
+
+#[test]
+fn dbg() {
+    let seed: u64 = std::env::var("SEED").unwrap().parse().unwrap();
+    let circle = Circle::random(seed, 0.0);
+    println!("{circle:?}");
+    let t = std::time::Instant::now();
+    let a = super::logs::of_log(&super::logs::log(&circle));
+    println!("{:?} {}", t.elapsed(), circle::text::of(&a));
+}
+
+#[test]
+fn dbgcov() {
+    for seed in 100..200 {
+        let circle = Circle::random(seed, 0.0);
+        let a = super::logs::of_log(&super::logs::log(&circle));
+        for p in &circle.parts {
+            let t = circle.truth(p);
+            if let Some(f) = a.parts.iter().find(|f| f.name.word() == t.name && f.axis == t.axis) {
+                let sd = (f.ci95[1] - f.um) / 1.96;
+                let z = (f.um - t.um) / sd;
+                println!("COV {seed} {} {} z {z:.2} est {:.4} true {:.4} sd {sd:.4}", t.name, t.axis, f.um, t.um);
+            }
+        }
+    }
+}
