@@ -155,7 +155,8 @@ impl Frame {
         let measured = [false, true].into_iter().zip(self.directions).filter(|(_, is)| *is);
         let count = SECTORS * self.per_sector(terms);
         let angle = |i: usize| TAU * (i as f64 + 0.5) / count as f64;
-        let values = measured.flat_map(|(way, _)| (0..count).map(move |i| self.point(terms, way, angle(i)).1));
+        let values =
+            measured.flat_map(|(way, _)| (0..count).map(move |i| self.point(terms, way, angle(i)).1));
         numerics::peak_to_peak(values.chain([0.0]))
     }
 }

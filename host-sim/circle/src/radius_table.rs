@@ -158,7 +158,8 @@ fn split(mut readings: Vec<Reading>) -> Vec<Vec<Reading>> {
         let directions: Vec<f64> = travel(&readings);
         readings.iter_mut().zip(directions).for_each(|(reading, d)| reading.direction = Some(d));
     }
-    let steps: Vec<f64> = readings.windows(2).filter_map(|pair| Some((pair[1].time_s? - pair[0].time_s?).abs())).collect();
+    let steps: Vec<f64> =
+        readings.windows(2).filter_map(|pair| Some((pair[1].time_s? - pair[0].time_s?).abs())).collect();
     let longest_s = MAX_PAUSE * numerics::median(&steps).unwrap_or(f64::INFINITY);
     let is_one = |a: &Reading, b: &Reading| {
         let pause_s = a.time_s.zip(b.time_s).map_or(0.0, |(from, to)| (to - from).abs());

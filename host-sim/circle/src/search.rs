@@ -114,11 +114,17 @@ pub fn vibration(samples: &Samples, fit: &Fit, axis: usize) -> Option<Candidate>
 fn in_time(samples: &Samples, fit: &Fit, axis: usize, sample_s: f64) -> Vec<Vec<f64>> {
     let (first, factors) = samples.seen(axis);
     let of_arc = |arc: &Range<usize>| {
-        let Some(start) = samples.instants.get(arc.start).filter(|_| !arc.is_empty()) else { return Vec::new() };
+        let Some(start) = samples.instants.get(arc.start).filter(|_| !arc.is_empty()) else {
+            return Vec::new();
+        };
         let mut values = Vec::new();
         for i in arc.clone() {
             let time_s = (samples.instants[i].time_s - start.time_s).abs();
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of samples")]
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a number of samples"
+            )]
             let place = (time_s / sample_s).round() as usize;
             values.resize(place.max(values.len()), 0.0);
             values.push(factors[i] * fit.residual[first + i]);

@@ -109,7 +109,8 @@ fn reshaped(samples: &Samples, coarse: &Samples, before: &Fitted) -> Option<Fitt
     let mut model = before.model.clone();
     let error = |model: &mut Model| refined(coarse, model).residual.norm_squared();
     for group in 0..model.groups.len() {
-        let mut candidates: Vec<Model> = Shape::ALL.iter().map(|shape| model.with_shape(group, *shape)).collect();
+        let mut candidates: Vec<Model> =
+            Shape::ALL.iter().map(|shape| model.with_shape(group, *shape)).collect();
         candidates.dedup();
         let errors: Vec<f64> = candidates.iter_mut().map(error).collect();
         let best = (0..candidates.len()).min_by(|&a, &b| errors[a].total_cmp(&errors[b]))?;
