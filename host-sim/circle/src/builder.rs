@@ -57,16 +57,16 @@ impl Builder<'_> {
         Some(Estimate { value: self.fitted.fit.coefficients[index], error })
     }
 
-    /// A part of a range, µm, without rivals and details.
-    pub fn part(&self, name: Name, axis: String, terms: Vec<(Term, f64)>, range: Estimate) -> Part {
-        let um = range.value.abs();
-        let half = Z * range.error;
-        let ci95 = [(um - half).max(0.0), um + half];
-        Part { name, axis, um, ci95, rivals: Vec::new(), details: Vec::new(), shape: None, terms }
-    }
-
     /// Name of both axes.
     pub fn both_axes(&self) -> String {
         self.measured.axes.concat()
     }
+}
+
+/// A part of a range, µm, without rivals and details.
+pub(crate) fn part(name: Name, axis: String, terms: Vec<(Term, f64)>, range: Estimate) -> Part {
+    let um = range.value.abs();
+    let half = Z * range.error;
+    let ci95 = [(um - half).max(0.0), um + half];
+    Part { name, axis, um, ci95, rivals: Vec::new(), details: Vec::new(), shape: None, terms }
 }

@@ -6,7 +6,7 @@
 //! it, T = (1 − k)/K, and the shrinkage is (1 + k)/(1 − k) times as large as this. At several speeds the shrinkage itself is measured, as
 //! it grows with the square of the speed. In a radius at one speed, both are one quantity.
 
-use super::builder::{Builder, Estimate};
+use super::builder::{self, Builder, Estimate};
 use super::part::{Name, Part};
 use super::term::Term;
 
@@ -27,7 +27,9 @@ pub(crate) fn radius_and_lag(builder: &Builder<'_>) -> Vec<Part> {
         let mut parts: Vec<Part> = radius_part(builder, radius).into_iter().collect();
         // Measured and found to be none, the lag is no rival.
         if delay_s(builder).is_none() {
-            parts.iter_mut().for_each(|part| part.rivals = vec![Name::FollowingLag.word()]);
+            for part in &mut parts {
+                part.rivals = vec![Name::FollowingLag.word()];
+            }
         }
         return parts;
     };
@@ -53,7 +55,7 @@ fn part(builder: &Builder<'_>, name: Name, um: Estimate) -> Option<Part> {
     if !um.is_found() {
         return None;
     }
-    let mut part = builder.part(name, builder.both_axes(), vec![(Term::Radius, um.value)], um);
+    let mut part = builder::part(name, builder.both_axes(), vec![(Term::Radius, um.value)], um);
     part.details.push(um.detail("signed_um"));
     Some(part)
 }

@@ -68,6 +68,9 @@ pub struct Detail {
     pub ci95: Option<[f64; 2]>,
 }
 
+/// Shape of a spike whose measured height is above that of each fitted shape.
+pub const OTHER_SHAPE: &str = "other";
+
 /// A part of the radial deviation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {

@@ -1,6 +1,6 @@
 //! From coefficients to parts.
 
-use super::builder::{Builder, Estimate};
+use super::builder::{self, Builder, Estimate};
 use super::lag;
 use super::measured::Measured;
 use super::part::{Detail, Frame, Name, Part, degrees};
@@ -35,6 +35,7 @@ pub fn parts(measured: &Measured, samples: &Samples, fitted: &Fitted) -> Vec<Par
     }
     parts.extend((0..fitted.model.groups.len()).filter_map(|group| added(&builder, group)));
     parts.extend(stick_slip::parts(&builder));
+    rivals::without_remains(&mut parts);
     let greatest = numerics::max_abs(parts.iter().map(|part| part.um));
     parts.retain(|part| part.um >= MIN_FRACTION * greatest);
     parts.sort_by(|a, b| b.um.total_cmp(&a.um));
@@ -53,7 +54,7 @@ pub fn frame(samples: &Samples) -> Frame {
 fn single(builder: &Builder<'_>, name: Name, axis: &str, term: Term) -> Option<Part> {
     let coefficient = builder.coefficient(term).filter(|coefficient| coefficient.is_found())?;
     let range = coefficient.times(builder.frame.range_um(&[(term, 1.0)]));
-    let mut part = builder.part(name, axis.to_owned(), vec![(term, coefficient.value)], range);
+    let mut part = builder::part(name, axis.to_owned(), vec![(term, coefficient.value)], range);
     part.details.push(coefficient.detail("signed_um"));
     Some(part)
 }
@@ -71,7 +72,7 @@ fn centre(builder: &Builder<'_>) -> Option<Part> {
         return None;
     }
     let terms = vec![(terms[0], x.value), (terms[1], y.value)];
-    let mut part = builder.part(Name::Centre, builder.both_axes(), terms, shift.times(2.0));
+    let mut part = builder::part(Name::Centre, builder.both_axes(), terms, shift.times(2.0));
     part.details = vec![x.detail("first_um"), y.detail("second_um")];
     Some(part)
 }
@@ -96,7 +97,7 @@ fn added(builder: &Builder<'_>, group: usize) -> Option<Part> {
         Term::Vibration(axis, ..) => (Name::Vibration, axis),
         _ => return None,
     };
-    let mut part = builder.part(name, builder.measured.axes[axis].clone(), terms, um);
+    let mut part = builder::part(name, builder.measured.axes[axis].clone(), terms, um);
     match first.0 {
         Term::Spike(_, shape, _) => describe_spike(builder, &mut part, shape, parameter),
         Term::Wave(..) => part.details.push(parameter.detail("pitch_mm")),

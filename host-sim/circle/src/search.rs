@@ -31,6 +31,9 @@ const MAX_RATES: f64 = 0.45;
 const MIN_LINE: f64 = 12.0;
 /// Bins on either side over which the median is taken.
 const AROUND: usize = 40;
+/// Number of the highest bins that are tried, so that a slope at the lower end does not hide a line.
+const TRIED: usize = 400;
+
 /// Transforms are padded to this many times the length of the values.
 const PADDING: usize = 4;
 
@@ -152,8 +155,6 @@ fn peak(power: &[f64], lowest: f64, highest: f64) -> Option<f64> {
     let [from, to] = [(lowest.ceil() as usize).max(1), (highest.floor() as usize).min(power.len())];
     let mut order: Vec<usize> = (from..to).collect();
     order.sort_by(|&a, &b| power[b].total_cmp(&power[a]));
-    // Among the highest bins, in this order, so that a slope at the lower end does not hide a line.
-    const TRIED: usize = 400;
     let stands_out = |bin: usize| {
         let around = bin.saturating_sub(AROUND).max(from)..(bin + AROUND).min(to);
         let median = numerics::median(&power[around]).unwrap_or(0.0);

@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 
 use super::builder::Builder;
-use super::part::{Detail, Part};
+use super::part::{Detail, OTHER_SHAPE, Part};
 use super::samples::{Observed, radial};
 use super::term::Term;
 
@@ -29,7 +29,7 @@ pub(crate) fn correct(builder: &Builder<'_>, part: &mut Part) {
     }
     part.ci95 = [part.ci95[0].min(measured - 1.96 * error), part.ci95[1].max(measured + 1.96 * error)];
     part.um = measured;
-    part.shape = Some("other");
+    part.shape = Some(OTHER_SHAPE);
     if let Some(signed) = part.details.iter_mut().find(|detail| detail.key == "signed_um") {
         *signed = Detail { value: measured * height.signum(), ..*signed };
     }

@@ -6,7 +6,7 @@
 
 use std::f64::consts::PI;
 
-use super::builder::{Builder, Estimate};
+use super::builder::{self, Builder, Estimate};
 use super::part::{Name, Part};
 
 /// Angle before and after a reversal, in bins of [`BIN_RAD`].
@@ -28,20 +28,18 @@ pub(crate) fn parts(builder: &Builder<'_>) -> Vec<Part> {
 fn part(builder: &Builder<'_>, axis: usize) -> Option<Part> {
     let samples = builder.samples;
     let fine = fine_residual(builder, axis);
-    let mut near = vec![(0.0, 0_usize); NEAR_BINS];
-    let (mut far_sum, mut far_count) = (0.0, 0_usize);
+    let mut near = [(0.0, 0_usize); NEAR_BINS];
+    let mut far = (0.0, 0_usize);
     for (value, at) in fine.iter().zip(&samples.instants) {
         // An axis is only seen in a radius near its own reversals.
         let since = at.since_reversal(axis);
         let distance = since.min(PI - since);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "up to 90")]
         let bin = (distance / BIN_RAD) as usize;
-        match near.get_mut(bin) {
-            Some((sum, count)) => (*sum, *count) = (*sum + value * value, *count + 1),
-            None => (far_sum, far_count) = (far_sum + value * value, far_count + 1),
-        }
+        let (sum, count) = near.get_mut(bin).unwrap_or(&mut far);
+        (*sum, *count) = (*sum + value * value, *count + 1);
     }
-    let far = far_sum / far_count.max(1) as f64;
+    let far = far.0 / far.1.max(1) as f64;
     let is_louder = |(sum, count): &&(f64, usize)| {
         *count >= MIN_SAMPLES && sum / *count as f64 > MIN_RATIO * MIN_RATIO * far
     };
@@ -56,7 +54,7 @@ fn part(builder: &Builder<'_>, axis: usize) -> Option<Part> {
     // Steps are independent of each other, samples are not: about one step a tenth of a degree.
     let steps = (louder.len() as f64 * BIN_RAD / (0.1 * BIN_RAD)).max(1.0);
     let range = Estimate { value: um, error: um / (2.0 * steps).sqrt() };
-    Some(builder.part(Name::StickSlip, builder.measured.axes[axis].clone(), Vec::new(), range))
+    Some(builder::part(Name::StickSlip, builder.measured.axes[axis].clone(), Vec::new(), range))
 }
 
 /// Residual of an axis less its mean over one degree, µm.

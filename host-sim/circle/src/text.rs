@@ -117,13 +117,13 @@ pub fn details(part: &Part) -> String {
         let value = significant(detail.value, 4);
         match (detail.key, part.name) {
             ("signed_um", Name::Backlash) if detail.value < 0.0 => {
-                words.push("compensated too much".to_owned())
+                words.push("compensated too much".to_owned());
             }
             ("signed_um", Name::ReversalSpike) => {
                 words.push(if detail.value > 0.0 { "outwards" } else { "inwards" }.to_owned());
             }
             ("signed_um", Name::Radius) => {
-                words.push(if detail.value > 0.0 { "larger" } else { "smaller" }.to_owned())
+                words.push(if detail.value > 0.0 { "larger" } else { "smaller" }.to_owned());
             }
             ("width_deg", _) => words.push(format!("width {value}°")),
             ("width_ms", _) => words.push(format!("{value} ms")),

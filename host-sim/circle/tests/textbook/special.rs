@@ -172,7 +172,9 @@ fn three_quarters_of_a_turn_are_needed() {
     let csv = table(&circle);
     let part = |degrees: f64| {
         let rows = 0.5 * (csv.lines().count() - 1) as f64 * degrees / 360.0;
-        csv.lines().take(1 + rows as usize).collect::<Vec<_>>().join("\n")
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of rows")]
+        let rows = rows as usize;
+        csv.lines().take(1 + rows).collect::<Vec<_>>().join("\n")
     };
     let analysis = of_table(&part(285.0), nominal);
     let scale = found(&analysis, Name::ScaleMismatch, "xy").unwrap();
