@@ -138,6 +138,6 @@ pub fn details(part: &Part) -> String {
 
 fn row(cells: [&str; 7]) -> String {
     let [part, axis, um, interval, certainty, rivals, details] = cells;
-    let line = format!("{part:<15} {axis:<5} {um:>8}  {interval:<18} {certainty:<10} {rivals:<22} {details}");
+    let line = format!("{part:<15} {axis:<5} {um:>8}  {interval:<18} {certainty:<10} {rivals:<30} {details}");
     line.trim_end().to_owned()
 }
