@@ -1,17 +1,10 @@
 //! The circles of a run: radial deviation F, circular deviation G and reversal spikes, per direction and for both.
 
-use std::f64::consts::TAU;
-
 use super::circular_test::{Ballbar, Lap};
 use super::path_circle::PathCircle;
 use super::reversal_spike;
+use super::sectors::Sectors;
 use super::vector::Point;
-
-/// Sectors of a turn, 0.25° each; the radial deviation is averaged over each, over all turns of a direction.
-const SECTORS: usize = 1440;
-
-/// Largest gap in a lap that still counts as full, in sectors: 10°. The start of a log is not evaluated.
-const MAX_GAP: usize = SECTORS / 36;
 
 /// One direction of a circle.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,13 +50,13 @@ impl CircleDeviation {
 #[derive(Clone, Debug)]
 pub(crate) struct CircleSum {
     circle: PathCircle,
-    /// Sum of the radial deviations (m) and number of samples in each sector, counter-clockwise and clockwise.
-    sectors: [Vec<(f64, u32)>; 2],
+    /// Radial deviations, counter-clockwise and clockwise.
+    sectors: [Sectors; 2],
 }
 
 impl CircleSum {
     pub fn new(circle: &PathCircle) -> Self {
-        Self { circle: circle.clone(), sectors: [vec![(0.0, 0); SECTORS], vec![(0.0, 0); SECTORS]] }
+        Self { circle: circle.clone(), sectors: [Sectors::new(), Sectors::new()] }
     }
 
     /// Adds a position of the tool whose nearest point is at a length of the path.
@@ -71,12 +64,8 @@ impl CircleSum {
         let is_on = |arc: &&super::path_circle::PathArc| progress_m > arc.from_m && progress_m < arc.to_m;
         let Some(arc) = self.circle.arcs.iter().find(is_on) else { return };
         let [x, y] = [0, 1].map(|i| tool[self.circle.plane[i]] - self.circle.centre[i]);
-        let turn = y.atan2(x).rem_euclid(TAU) / TAU;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 1440")]
-        let sector = (turn * SECTORS as f64) as usize % SECTORS;
-        let (sum, count) = &mut self.sectors[usize::from(arc.is_clockwise)][sector];
-        *sum += x.hypot(y) - self.circle.radius;
-        *count += 1;
+        let deviation_um = 1e6 * (x.hypot(y) - self.circle.radius);
+        self.sectors[usize::from(arc.is_clockwise)].add(y.atan2(x), deviation_um);
     }
 
     /// The result; `None` if the circle is full in neither direction.
@@ -99,15 +88,10 @@ impl CircleSum {
 
     fn lap(&self, is_clockwise: bool) -> Option<LapDeviation> {
         let sectors = &self.sectors[usize::from(is_clockwise)];
-        let is_empty = |i: usize| sectors[i % SECTORS].1 == 0;
-        let has_gap = (0..SECTORS).any(|from| (from..=from + MAX_GAP).all(is_empty));
-        if has_gap {
+        if !sectors.is_full() {
             return None;
         }
-        let middle = |i: usize| TAU * (i as f64 + 0.5) / SECTORS as f64;
-        let filled = sectors.iter().enumerate().filter(|(_, (_, count))| *count > 0);
-        let points: Vec<(f64, f64)> =
-            filled.map(|(i, (sum, count))| (middle(i), 1e6 * sum / f64::from(*count))).collect();
+        let points = sectors.points();
         let lap = Lap::from_polar(points.clone())?;
         Some(LapDeviation {
             is_clockwise,

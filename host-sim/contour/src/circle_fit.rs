@@ -59,15 +59,18 @@ pub fn find(x: &[f64], y: &[f64]) -> Option<Circle> {
     })
 }
 
-/// The ranges of samples between standstills.
+/// The ranges of samples between standstills, and between points at which the motion turns back by more than 90°.
 fn moving(x: &[f64], y: &[f64]) -> Vec<Range<usize>> {
     let step = |i: usize| (x[i + 1] - x[i]).hypot(y[i + 1] - y[i]);
     let steps = x.len().min(y.len()).saturating_sub(1);
     let min_step = STANDSTILL_FRACTION * numerics::max_abs((0..steps).map(step));
+    let turns_back = |i: usize| {
+        i > 0 && (x[i + 1] - x[i]) * (x[i] - x[i - 1]) + (y[i + 1] - y[i]) * (y[i] - y[i - 1]) < 0.0
+    };
     let mut ranges: Vec<Range<usize>> = Vec::new();
     for i in (0..steps).filter(|&i| step(i) > min_step) {
         match ranges.last_mut() {
-            Some(last) if last.end == i => last.end = i + 1,
+            Some(last) if last.end == i && !turns_back(i) => last.end = i + 1,
             _ => ranges.push(i..i + 1),
         }
     }
@@ -158,6 +161,14 @@ mod tests {
             assert!((arc.swept_rad - TAU).abs() < 0.1, "{arc:?}");
             assert!(arc.samples.len() < 3100, "the line in front is not part of it: {arc:?}");
         }
+    }
+
+    #[test]
+    fn a_motion_that_turns_back_without_a_standstill_has_two_directions() {
+        let mut path = arc([0.0, 0.0], 0.05, 0.0, TAU, 3000);
+        path.extend(arc([0.0, 0.0], 0.05, TAU, 0.0, 3000).into_iter().skip(1));
+        let directions: Vec<bool> = of(&path).unwrap().arcs.iter().map(|arc| arc.is_clockwise).collect();
+        assert_eq!(directions, [false, true]);
     }
 
     #[test]

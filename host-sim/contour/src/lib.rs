@@ -5,6 +5,7 @@
 //! - [`across`]: what a displacement of the tool and the noise of its reading add
 //! - [`logged`], [`long_log`], [`log_error`]: the same for a log, for a long one section by section, and for several with their names
 //! - [`circle`], [`circular_test`]: radial deviation F, circular deviation G and hysteresis H (ISO 230-4)
+//! - [`sectors`]: means over sectors of a turn
 //! - [`reversal_spike`]: peaks where an axis reverses
 //! - [`corner`]: overshoot and rounding
 //! - [`circle_fit`]: finds a circle in a command
@@ -26,6 +27,7 @@ pub mod path;
 pub mod path_circle;
 mod piece;
 pub mod reversal_spike;
+pub mod sectors;
 mod sums;
 pub mod text;
 pub mod vector;

@@ -12,12 +12,14 @@
 //! | `axis_view` | the plotted residuals |
 //! | `residual_plots` | residuals over time and over a `variable` |
 //! | `circle_plots` | a circle, from `contour::circle_fit` and `radial_deviation` |
+//! | [`circle_page`] | a circle alone, and what it is made of |
 //! | [`before_after`] | motions before, as predicted, and after a compensation |
 //! | [`ranking`] | the candidates of each round |
 
 mod axis_view;
 pub mod before_after;
 mod caveats;
+pub mod circle_page;
 mod circle_plots;
 mod data_faults;
 pub mod friction_map;

@@ -3,6 +3,7 @@
 mod argument_error;
 mod batch;
 mod board;
+mod circle;
 mod compare;
 mod compensate;
 mod compensation;
@@ -55,6 +56,8 @@ enum Command {
     /// Ask, operate and set up a servo board; `record` runs a motion on it.
     #[command(subcommand)]
     Board(board::Verb),
+    /// Tell what a circle is made of, from its log or a ballbar's table, without a machine file.
+    Circle(circle::Arguments),
     /// Turn the effects of a model into the compensation that the controller applies, and predict the contour error.
     Compensate(compensate::Arguments),
     /// Run the same motions in fixed point, f32, f64 and with f32 positions, and compare errors and cost.
@@ -89,6 +92,7 @@ pub fn run() -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),
         Command::Board(verb) => board::run(&verb),
+        Command::Circle(arguments) => circle::run(&arguments),
         Command::Compensate(arguments) => compensate::run(&arguments),
         Command::Margins(arguments) => margins::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),

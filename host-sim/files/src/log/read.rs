@@ -30,7 +30,11 @@ impl Log {
         Self::of_table(Table::parse(bytes, source)?, source)
     }
 
-    fn of_table(mut table: Table<'_>, source: &str) -> Result<Self, InputError> {
+    /// Reads a log from an opened table; `source` is the file name for error messages.
+    ///
+    /// # Errors
+    /// As [`Log::parse`].
+    pub fn of_table(mut table: Table<'_>, source: &str) -> Result<Self, InputError> {
         let header = Header::parse(&table)?;
         let (columns, decimals) = read_columns(&mut table, header.time)?;
         let times_s = &columns[header.time];

@@ -2,6 +2,7 @@
 
 mod accepted;
 mod board_arguments;
+mod circle;
 mod compare;
 mod compensate;
 mod import;

@@ -1,0 +1,109 @@
+//! `lost-motion circle`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+
+use super::outputs::{Output, check_outputs, print, write_json};
+use super::progress::Progress;
+use ::circle::measured::Measured;
+use ::circle::radius_table::{Nominal, is_radius_table};
+use ::circle::{analyse, json, text};
+use files::error::{InputError, quoted};
+use files::log::Log;
+use files::table::Table;
+
+/// Arguments of `circle`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Log with the command and a measured position of two axes, or a ballbar's table of `radius_mm` or `radius_um` over `angle_deg`
+    /// or `time_s` (CSV, .csv.gz, or - for stdin); two such tables, one for each direction.
+    #[arg(required = true, num_args = 1..=2)]
+    log: Vec<PathBuf>,
+    /// Nominal radius of a ballbar's table.
+    #[arg(long, value_name = "MM")]
+    radius: Option<f64>,
+    /// Constant speed of a ballbar's table without angles.
+    #[arg(long, value_name = "MM_PER_MIN")]
+    feed: Option<f64>,
+    /// Angle at which a ballbar's table without angles starts, degrees.
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
+    start: f64,
+    /// Write the result as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// Write report.html into this folder.
+    #[arg(long)]
+    report: Option<PathBuf>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Input that is no circle, output that cannot be written.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let inputs: Vec<&Path> = arguments.log.iter().map(PathBuf::as_path).collect();
+    let page = pages::file_in(arguments.report.as_ref());
+    check_outputs(
+        &inputs,
+        &[Output::File("--json", arguments.json.as_ref()), Output::InNewFolder("--report", page.as_ref())],
+    )?;
+    let progress = Progress::start();
+    progress.show("reading");
+    let measured = read(arguments)?;
+    progress.show("evaluating the circle");
+    let analysis = analyse(measured)?;
+    drop(progress);
+    write_json(arguments.json.as_ref(), &json::of(&analysis))?;
+    let mut output = text::of(&analysis);
+    if let Some(folder) = &arguments.report {
+        let path = report::circle_page::write(folder, &analysis)?;
+        output += &format!("\n\nReport: {}", path.display());
+    }
+    print(&output)
+}
+
+/// The circle of one log, or of one or two tables.
+fn read(arguments: &Arguments) -> Result<Measured, InputError> {
+    let nominal = nominal(arguments)?;
+    let sources: Vec<String> = arguments.log.iter().map(|path| path.display().to_string()).collect();
+    let mut tables = Vec::new();
+    for (path, source) in arguments.log.iter().zip(&sources) {
+        tables.push((Table::open(path, source)?, source.clone()));
+    }
+    let is_log = |(table, _): &&(Table<'_>, String)| !is_radius_table(table);
+    match tables.iter().find(is_log) {
+        None => Measured::of_radius_tables(tables, nominal),
+        Some((_, source)) if tables.len() > 1 => Err(InputError::expected(
+            source,
+            "one log, or two tables with radius_mm or radius_um",
+            "a log of two files",
+        )),
+        Some(_) if nominal != Nominal::default() => {
+            let expected = "a table with radius_mm or radius_um beside --radius, --feed or --start";
+            Err(InputError::expected(&sources[0], expected, "a log"))
+        }
+        Some(_) => {
+            let (table, source) = tables.remove(0);
+            Measured::of_log(&Log::of_table(table, &source)?)
+        }
+    }
+}
+
+/// The nominal values, checked.
+fn nominal(arguments: &Arguments) -> Result<Nominal, InputError> {
+    let positive = |flag, value: Option<f64>| match value {
+        Some(value) if !(value.is_finite() && value > 0.0) => {
+            Err(InputError::expected(flag, "a positive number", quoted(&value.to_string())))
+        }
+        value => Ok(value),
+    };
+    if !arguments.start.is_finite() {
+        return Err(InputError::expected("--start", "an angle", quoted(&arguments.start.to_string())));
+    }
+    Ok(Nominal {
+        radius_mm: positive("--radius", arguments.radius)?,
+        feed_mm_per_min: positive("--feed", arguments.feed)?,
+        start_deg: arguments.start,
+    })
+}
