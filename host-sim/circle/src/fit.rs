@@ -37,7 +37,7 @@ impl Model {
         self.terms[self.groups[group].start].parameter().unwrap_or(1.0)
     }
 
-    /// The same model with another shape of the spike of a group; itself if it is none.
+    /// This model with another shape of the spike of a group; itself if it is none.
     #[must_use]
     pub fn with_shape(&self, group: usize, shape: Shape) -> Self {
         let mut model = self.clone();

@@ -187,7 +187,7 @@ impl Samples {
         self.filtered(|i| i % stride == 0)
     }
 
-    /// The same samples with the radial deviation alone.
+    /// These samples with the radial deviation alone.
     #[must_use]
     pub fn radial_only(&self) -> Self {
         let observed = Observed::Radial(self.polar().into_iter().map(|point| point.1).collect());

@@ -49,5 +49,6 @@ pub mod scale;
 pub mod screw;
 pub mod sensors;
 pub mod simulate;
+pub mod stepper;
 pub mod tool_point;
 pub mod transition;

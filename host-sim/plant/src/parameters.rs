@@ -4,8 +4,8 @@
 use model::axis::Mechanics;
 use model::effects::{
     Channel, ConstantLoad, Crosstalk, DriveAsymmetry, Effect, EffectModel, ForceWindup, InertialWindup,
-    Intalk, Latency, LoadAngle, LostMotion, Mode, MotorStribeck, PeriodicError, PositionLoad, Resonance,
-    Squareness, Straightness, ThermalDrift, ThermalRate, TorqueRipple,
+    Intalk, Latency, LostMotion, Mode, MotorStribeck, PeriodicError, PositionLoad, Resonance, Squareness,
+    Straightness, ThermalDrift, ThermalRate, TorqueRipple,
 };
 use model::machine::{Axis, Machine};
 
@@ -13,6 +13,7 @@ use super::friction::{self, Friction};
 use super::probe::Probe;
 use super::scale::Scale;
 use super::screw::{Screw, Spring};
+use super::stepper::Stepper;
 
 use model::bodies;
 use model::residual_table::ResidualTable;
@@ -67,15 +68,6 @@ pub struct AxisParameters {
     pub latency: Vec<Latency>,
     /// Residuals of the logged channels that no effect describes.
     pub residual_tables: Vec<ResidualTable>,
-}
-
-/// How a stepper motor deviates from its command.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Stepper {
-    /// Periodic errors of the microsteps.
-    pub microsteps: Vec<PeriodicError>,
-    /// Lag under friction and acceleration.
-    pub load_angle: LoadAngle,
 }
 
 /// Forces on the table against motion in the + direction that do not depend on its velocity.

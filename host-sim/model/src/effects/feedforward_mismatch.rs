@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Misplaced, Occurrence, Parameter,
-    Placement, Range, Stage, Unit, Wording,
+    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Imitation, ImitationContext,
+    Misplaced, Occurrence, Parameter, Placement, Range, Stage, Unit, Wording,
 };
 use crate::axis::{Drive, Settings};
 
@@ -67,6 +67,10 @@ impl EffectModel for FeedforwardMismatch {
 
     fn values(&self) -> Vec<f64> {
         vec![self.percent]
+    }
+
+    fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
+        context.rival_gain(Imitation::POSITION_GAIN)
     }
 
     fn compensation(&self) -> EffectCompensation {

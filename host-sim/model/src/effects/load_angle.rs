@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Occurrence, Parameter, Range,
-    Stage, Unit, Wording,
+    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Misplaced, Occurrence, Parameter,
+    Placement, Range, Stage, Unit, Wording,
 };
 use crate::axis::Drive;
 
@@ -31,6 +31,10 @@ impl EffectModel for LoadAngle {
     const OCCURRENCE: Occurrence = Occurrence::Once;
     const SHOWN_IN: &'static [Stage] = &[Stage::Motor];
     const DRIVES: &'static [Drive] = &[Drive::Stepper];
+
+    fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
+        Misplaced::unless_stepper(place)
+    }
 
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Motor]
@@ -61,8 +65,9 @@ impl EffectModel for LoadAngle {
     }
 
     fn compensation(&self) -> EffectCompensation {
-        EffectCompensation::by(
-            "the displacement under friction is added to the command in the direction of motion",
+        EffectCompensation::not(
+            "a stepper motor has no loop that would apply a compensation",
+            "enter twice the displacement under friction as backlash of the control, or raise the current of the driver",
         )
     }
 

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::backlash::{Backlash, GUESSED_WIDTHS_UM};
 use super::declaration::{
     Abscissa, AnyEffect, Coordinate, EffectCompensation, EffectContext, EffectModel, Imitation,
-    ImitationContext, Neighbours, Occurrence, Parameter, Prerequisite, Range, ResidualShape, Stage, Unit,
-    Wording,
+    ImitationContext, Misplaced, Neighbours, Occurrence, Parameter, Placement, Prerequisite, Range,
+    ResidualShape, Stage, Unit, Wording,
 };
 use crate::axis::{Drive, Settings};
 
@@ -81,6 +81,12 @@ impl EffectModel for LostMotion {
         if is_parted { Prerequisite::NotApplicable } else { Prerequisite::Met }
     }
 
+    fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
+        let is_parted = place.axis.has_mass() || !place.axis.is_rigid();
+        let what = "this effect only where neither masses nor stiffness are given, otherwise backlash";
+        is_parted.then(|| Misplaced::name(what))
+    }
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Table]
     }
@@ -101,8 +107,10 @@ impl EffectModel for LostMotion {
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
-        let friction = self.friction_m_per_s2.map(|friction| Coordinate::scale(friction, 1e-2, 1e2));
-        let presliding = self.presliding_um.map(|um| Coordinate::scale(um, 0.1, 1e3));
+        // At the end of either range the table does not slide by itself, or at once: neither is a limit of the search.
+        let friction =
+            self.friction_m_per_s2.map(|friction| Coordinate::scale(friction, 1e-2, 1e2).stepwise());
+        let presliding = self.presliding_um.map(|um| Coordinate::scale(um, 0.1, 1e3).stepwise());
         let width = Coordinate::between(self.width_um, 0.2, 0.0, 1000.0);
         [width].into_iter().chain(friction).chain(presliding).collect()
     }
@@ -130,7 +138,10 @@ impl EffectModel for LostMotion {
     }
 
     fn compensation(&self) -> EffectCompensation {
-        EffectCompensation::by("half of the lost motion is added to the command in the direction of motion")
+        EffectCompensation::not(
+            "the axis cannot be simulated without its masses, so that nothing is known of what the compensation leaves",
+            "enter the width as the backlash of the control, or declare the masses and the stiffness and trace again",
+        )
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    EffectCompensation, EffectContext, EffectModel, Neighbours, PeriodicError, Prerequisite, Stage, Unit,
-    WaveOf, Wording, harmonic, harmonic_effect,
+    EffectCompensation, EffectContext, EffectModel, Misplaced, Neighbours, PeriodicError, Placement,
+    Prerequisite, Stage, Unit, WaveOf, Wording, harmonic, harmonic_effect,
 };
 use crate::axis::{Drive, Settings};
 
@@ -49,6 +49,10 @@ impl EffectModel for MicrostepError {
 
     fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::lead(axis)
+    }
+
+    fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
+        Misplaced::unless_stepper(place)
     }
 
     fn stages(&self) -> &'static [Stage] {

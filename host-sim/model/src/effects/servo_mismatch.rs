@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Draw, EffectCompensation, EffectContext, EffectModel, Stage, Wording, relative_deviation,
+    Abscissa, Draw, EffectCompensation, EffectContext, EffectModel, Imitation, ImitationContext, Stage,
+    Wording, relative_deviation,
 };
 use crate::axis::{Drive, Settings};
 
@@ -40,6 +41,10 @@ impl EffectModel for ServoMismatch {
     /// The unknown discretization of a drive's filters has an effect of 0.25 %.
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         self.percent.abs() > 0.25
+    }
+
+    fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
+        context.rival_gain(Imitation::FEEDFORWARD)
     }
 
     fn compensation(&self) -> EffectCompensation {

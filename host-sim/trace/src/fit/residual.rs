@@ -16,7 +16,7 @@ use crate::prediction::force_sampling::ForceSampling;
 use crate::prediction::force_windup;
 use crate::prediction::initial_state::InitialState;
 use crate::prediction::table_motion::MeasuredMotor;
-use crate::prediction::{stepper, table_variable, tool, velocity_drive};
+use crate::prediction::{table_variable, tool, velocity_drive};
 use model::axis::Drive;
 use model::effects::{Channel, Stage};
 use model::servo;
@@ -171,7 +171,11 @@ impl FitData<'_> {
             Drive::Velocity => {
                 velocity_drive::motor(&model.axis.settings, &parameters.servo, command, loop_s)
             }
-            Drive::Stepper => Some(stepper::motor(parameters, command, loop_s)),
+            Drive::Stepper => {
+                let dead_time_s = parameters.servo.velocity_drive.dead_time_s;
+                let command = delayed_cubic(command.clone(), dead_time_s, loop_s);
+                Some(parameters.stepper.rotor_m(&command, loop_s))
+            }
         };
         if let Some(simulated) = simulated {
             return difference(&motor.raw, &simulated, 1e6, 0.0);

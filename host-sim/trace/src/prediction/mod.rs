@@ -1,7 +1,7 @@
 //! Prediction of each stage by a model, driven by the measured signal upstream of the stage.
 //!
 //! [`driven`] predicts table and force from the measured motor, [`closed_loop`] the motor from the command, and [`tool`]
-//! the tool point from the measured tables. [`velocity_drive`] and [`stepper`] predict motors that are not commanded by a force.
+//! the tool point from the measured tables. [`velocity_drive`] predicts a motor whose velocity is commanded.
 //! [`force_windup`] replaces the mechanics if no masses are declared.
 
 pub mod closed_loop;
@@ -11,7 +11,6 @@ pub mod force_sampling;
 pub mod force_windup;
 pub mod initial_state;
 pub mod resonant_response;
-pub mod stepper;
 pub mod table_motion;
 pub mod table_variable;
 pub mod tool;

@@ -30,9 +30,14 @@ tested! {
         latency, resonance;
 }
 
+/// Effects of axes whose masses or loops are not declared, which cannot be simulated: the tests in `drives` have them.
+const OF_UNKNOWN_AXES: [&str; 3] = ["lost_motion", "microstep_error", "load_angle"];
+
 #[test]
 fn every_effect_of_the_catalogue_is_tested() {
-    let simulated =
-        |name: &&str| !servo::NOT_SIMULATED.iter().any(|effect| effect.contains(&format!("\"{name}\"")));
+    let simulated = |name: &&str| {
+        !OF_UNKNOWN_AXES.contains(name)
+            && !servo::NOT_SIMULATED.iter().any(|effect| effect.contains(&format!("\"{name}\"")))
+    };
     assert_eq!(TESTED, model::effects::names().into_iter().filter(simulated).collect::<Vec<_>>());
 }

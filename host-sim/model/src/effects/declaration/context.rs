@@ -4,7 +4,7 @@ use shared::config::Rates;
 
 use super::residual_shape::ResidualShape;
 use super::stage::Stage;
-use crate::axis::Settings;
+use crate::axis::{Drive, Settings};
 
 /// Channels of an axis in the logs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -146,6 +146,13 @@ pub struct Misplaced {
 }
 
 impl Misplaced {
+    /// Refuses an effect of stepper motors on another axis.
+    #[must_use]
+    pub fn unless_stepper(place: &Placement<'_>) -> Option<Self> {
+        let is_stepper = place.axis.controller.drive == Drive::Stepper;
+        (!is_stepper).then(|| Self::name("this effect only on an axis with drive = \"stepper\""))
+    }
+
     /// Refuses the effect itself, at its key `name`.
     #[must_use]
     pub fn name(expected: &str) -> Self {

@@ -6,7 +6,7 @@ use shared::config::Rates;
 
 use super::context::LoggedChannels;
 use super::stage::Stage;
-use crate::axis::Settings;
+use crate::axis::{Drive, Settings};
 
 /// Something that is not told apart from an effect by the channels that were logged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,6 +107,22 @@ impl Imitation {
         decided_by: Self::CLOCK.decided_by,
     };
 
+    /// The position gain of a loop that commands the velocity of a drive of unknown bandwidth.
+    pub const POSITION_GAIN: Self = Self {
+        name: "servo_mismatch",
+        clause: "the position gain of the loop deviates, which a drive of another bandwidth hides",
+        decided_by: Self::DRIVE_GAINS,
+    };
+
+    /// The feed-forward of such a loop.
+    pub const FEEDFORWARD: Self = Self {
+        name: "feedforward_mismatch",
+        clause: "the velocity feed-forward of the loop deviates, which a drive of another bandwidth hides",
+        decided_by: Self::DRIVE_GAINS,
+    };
+
+    const DRIVE_GAINS: &'static str = "the masses and the gains of the drive's velocity loop";
+
     /// Rows that were read before or after the instants of their times.
     pub const CLOCK: Self = Self {
         name: "timestamp_jitter",
@@ -116,6 +132,14 @@ impl Imitation {
 }
 
 impl ImitationContext<'_> {
+    /// The rival of a gain of the position loop, where the bandwidth of the drive is not known: in steady motion the axis lags by
+    /// v·(1 − Kf)/Kp, and the time constants of the drive follow the rest.
+    #[must_use]
+    pub fn rival_gain(&self, rival: Imitation) -> Vec<Imitation> {
+        let is_unknown = self.axis.controller.drive == Drive::Velocity;
+        is_unknown.then_some(rival).into_iter().collect()
+    }
+
     /// Whether a stage was evaluated.
     #[must_use]
     pub fn has(&self, stage: Stage) -> bool {
