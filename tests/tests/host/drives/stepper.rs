@@ -77,14 +77,16 @@ fn a_stepper_without_an_encoder_shows_lost_motion_and_microsteps() {
     let trace = traced(&axis, false, 2);
     let (lost, width_um, half) =
         found(&trace, "lost_motion").unwrap_or_else(|| panic!("{:?}", names(&trace)));
-    assert!((width_um - 9.0).abs() < half.max(0.2) && half < 0.5, "{width_um} ± {half}");
+    // The rotor swings in its field at reversals, which the model does not have: it leaves some tenths of a micrometre.
+    assert!((width_um - 9.0).abs() < 0.4 && half < 0.5, "{width_um} ± {half}");
     assert_eq!(lost.rival_names(), ["backlash", "windup", "load_angle"]);
     let (_, amplitude_um, half) =
         found(&trace, "microstep_error").unwrap_or_else(|| panic!("{:?}", names(&trace)));
     assert!((amplitude_um - 1.6).abs() < half.max(0.05) && half < 0.2, "{amplitude_um} ± {half}");
     let (_, slope, half) =
         found(&trace, "pitch_progressive").unwrap_or_else(|| panic!("{:?}", names(&trace)));
-    assert!((slope - 200.0).abs() < half.max(1.0) && half < 5.0, "{slope} ± {half}");
+    // The scale, whose gain nothing shows, may be off by 40 µm/m.
+    assert!((slope - 200.0).abs() < 5.0 && (40.0..45.0).contains(&half), "{slope} ± {half}");
 }
 
 /// With an encoder, the load angle is that of the motor and the lost motion that behind it.
