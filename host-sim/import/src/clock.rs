@@ -296,7 +296,7 @@ mod tests {
     /// No row has both values.
     #[test]
     fn rows_that_are_all_incomplete_are_an_error() {
-        let message = imported("t,x\n0,\n,1\n1,\n,2\n", None).unwrap_err();
+        let message = imported("t,x,z\n0,,1\n,1,2\n1,,3\n,2,4\n", None).unwrap_err();
         assert!(message.contains("two rows at different times or more, found 0"), "{message}");
     }
 

@@ -3,7 +3,7 @@
 use super::fit_data::FitData;
 use super::scope::{Mechanics, NotTestable, Scope, ShownIn};
 use crate::input::signals::AxisSignals;
-use model::axis::{Drive, Settings};
+use model::axis::{Drive, Feedback, Law, Settings};
 use model::effects::Stage;
 use model::machine::Axis;
 
@@ -71,7 +71,10 @@ fn requirements(axis: &Axis, data: &FitData<'_>) -> [(Stage, Vec<(bool, &'static
     let mut for_motor = vec![command, own_motor];
     match axis.settings.controller.drive {
         Drive::Torque => for_motor.extend(loop_keys(&axis.settings).into_iter().chain([masses])),
-        Drive::Velocity => for_motor.extend(&loop_keys(&axis.settings)[1..2]),
+        Drive::Velocity => {
+            for_motor.extend(&loop_keys(&axis.settings)[1..2]);
+            for_motor.extend(velocity_loop(&axis.settings));
+        }
         Drive::Stepper => {}
     }
     for_motor.push(motion);
@@ -90,5 +93,13 @@ fn loop_keys(settings: &Settings) -> [(bool, &'static str); 3] {
         (controller.law.is_some(), "controller in the machine file"),
         (controller.position_gain_per_s.is_some(), "position_gain_per_s in the machine file"),
         (controller.velocity_gain_n_s_per_m.is_some(), "velocity_gain_n_s_per_m in the machine file"),
+    ]
+}
+
+/// What the model of a loop that commands a velocity asks for, with a flag whether it is so.
+fn velocity_loop(settings: &Settings) -> [(bool, &'static str); 2] {
+    [
+        (settings.controller.law != Some(Law::Hpc), "a proportional position loop"),
+        (settings.sensors.feedback == Feedback::Motor, "a position loop that is closed by the motor"),
     ]
 }
