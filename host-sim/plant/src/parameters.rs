@@ -19,8 +19,8 @@ use model::bodies;
 use model::residual_table::ResidualTable;
 use model::servo::ServoParameters;
 
-/// Stretch of a drive train that is practically rigid, m per m/s²: 10 nm under 1 m/s².
-const LEAST_STRETCH_S2: f64 = 1e-8;
+/// Stretch of a drive train that is practically rigid, m per m/s²: 1 nm under 1 m/s².
+const LEAST_STRETCH_S2: f64 = 1e-9;
 
 /// Damping ratio of a drive train of which nothing is known.
 const DRIVE_TRAIN_DAMPING: f64 = 0.05;

@@ -28,6 +28,9 @@ pub struct LostMotion {
     pub presliding_um: Option<f64>,
 }
 
+/// Highest friction over mass, m/s²: twice the weight. Above, the table never slides by itself, and the plain form says the same.
+const HIGHEST_FRICTION: f64 = 20.0;
+
 /// Frictions over mass with which a fit starts, m/s².
 const GUESSED_FRICTIONS: [f64; 2] = [0.4, 1.6];
 
@@ -107,10 +110,13 @@ impl EffectModel for LostMotion {
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
-        // At the end of either range the table does not slide by itself, or at once: neither is a limit of the search.
         let friction =
-            self.friction_m_per_s2.map(|friction| Coordinate::scale(friction, 1e-2, 1e2).stepwise());
-        let presliding = self.presliding_um.map(|um| Coordinate::scale(um, 0.1, 1e3).stepwise());
+            self.friction_m_per_s2.map(|friction| Coordinate::scale(friction, 1e-2, HIGHEST_FRICTION));
+        // A friction that reverses at once is no limit of the search.
+        let presliding = self.presliding_um.map(|um| {
+            let scale = Coordinate::scale(um, 0.1, 1e3);
+            Coordinate { limits: [f64::NEG_INFINITY, scale.limits[1]], ..scale }
+        });
         let width = Coordinate::between(self.width_um, 0.2, 0.0, 1000.0);
         [width].into_iter().chain(friction).chain(presliding).collect()
     }

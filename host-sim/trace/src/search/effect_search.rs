@@ -250,9 +250,12 @@ impl EffectSearch<'_> {
             candidate.limit = fitted.model.at_limit(last);
             // If a candidate ended at its limit, the true value may be beyond it, and this candidate may compensate a part of
             // the same deviation. Settings of one controller compensate each other. A special form goes on beyond the limit of
-            // its ordinary one.
+            // its ordinary one, and another form of the same effect is none of its substitutes.
             let may_replace = |limited: &[Effect]| {
-                limited.iter().any(|limited| !is_special_form(&candidate.effect, limited))
+                let is_other_form = |limited: &Effect| {
+                    is_special_form(&candidate.effect, limited) || candidate.effect.is_same(limited)
+                };
+                limited.iter().any(|limited| !is_other_form(limited))
             };
             let is_substitute = may_replace(&limited) && scope.stages == [Stage::Motor]
                 || may_replace(&all_limited) && is_gross(data, &fitted, scope);

@@ -79,7 +79,8 @@ fn a_stepper_without_an_encoder_shows_lost_motion_and_microsteps() {
         found(&trace, "lost_motion").unwrap_or_else(|| panic!("{:?}", names(&trace)));
     // The rotor swings in its field at reversals, which the model does not have: it leaves some tenths of a micrometre.
     assert!((width_um - 9.0).abs() < 0.4 && half < 0.5, "{width_um} ± {half}");
-    assert_eq!(lost.rival_names(), ["backlash", "windup", "load_angle"]);
+    let rivals = lost.rival_names();
+    assert!(["backlash", "windup", "load_angle"].iter().all(|part| rivals.contains(part)), "{rivals:?}");
     let (_, amplitude_um, half) =
         found(&trace, "microstep_error").unwrap_or_else(|| panic!("{:?}", names(&trace)));
     assert!((amplitude_um - 1.6).abs() < half.max(0.05) && half < 0.2, "{amplitude_um} ± {half}");
