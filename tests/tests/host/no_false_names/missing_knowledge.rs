@@ -45,11 +45,11 @@ fn lost_motion_without_a_declared_stiffness_is_not_certainly_backlash() {
     }
     let trace = machine.trace_of(|log| without(log, |axis| axis.force = None));
     let lost = found(&trace, 1, "lost_motion");
-    // The stretch by friction, 2·F/k; viscous friction and acceleration add to it.
+    // The stretch by friction, 2·F/k. That by acceleration is told apart; viscous friction adds some percent.
     let Mechanics { stiffness_n_per_m, coulomb_n, .. } = machine.drawn.axes[1].mechanics;
     let lost_um = 2e6 * coulomb_n / stiffness_n_per_m;
     let width_um = lost.effect.values()[0];
-    assert!((1.0..1.6).contains(&(width_um / lost_um)), "{lost_um}: {}", context(&trace));
+    assert!((0.95..1.15).contains(&(width_um / lost_um)), "{lost_um}: {}", context(&trace));
     let rivals = lost.rival_names();
     assert!(["backlash", "windup"].iter().all(|part| rivals.contains(part)), "{}", context(&trace));
     let is_either = |name: &str| ["backlash", "lost_motion"].contains(&name);
