@@ -2,7 +2,7 @@
 
 use circle::Analysis;
 
-use super::generator::Truth;
+use super::generator::{Circle, Truth};
 
 /// Intervals that contain the truth, and all.
 #[derive(Clone, Copy, Debug, Default)]
@@ -46,4 +46,21 @@ pub fn judge(analysis: &Analysis, truth: &[Truth], fraction: f64) -> (Vec<String
         }
     }
     (wrong, coverage)
+}
+
+/// Judges what is found of circles with seeds from 100, and returns the coverage of the intervals.
+pub fn sweep(seeds: u64, correlation_s: f64, found: impl Fn(&Circle) -> Analysis) -> Coverage {
+    let mut coverage = Coverage::default();
+    let mut all = Vec::new();
+    for seed in 100..100 + seeds {
+        let circle = Circle::random(seed, correlation_s);
+        let truth: Vec<Truth> = circle.parts.iter().map(|part| circle.truth(part)).collect();
+        let (wrong, covered) = judge(&found(&circle), &truth, 0.05);
+        if !wrong.is_empty() {
+            all.push(format!("seed {seed}: {wrong:?} {:?}", circle.parts));
+        }
+        coverage.add(covered);
+    }
+    assert!(all.is_empty(), "{} of {seeds}: {}", all.len(), all.join("\n"));
+    coverage
 }

@@ -4,8 +4,8 @@ use circle::measured::Measured;
 use circle::{Analysis, analyse};
 use files::log::{AxisLog, Log, Unit};
 
-use super::generator::{Circle, Truth};
-use super::judge::{Coverage, judge};
+use super::generator::Circle;
+use super::judge::sweep;
 
 /// The log of a circle about (12, −7) mm.
 pub fn log(circle: &Circle) -> Log {
@@ -38,31 +38,15 @@ pub fn of_log(log: &Log) -> Analysis {
     analyse(Measured::of_log(log).unwrap()).unwrap()
 }
 
-fn truth(circle: &Circle) -> Vec<Truth> {
-    circle.parts.iter().map(|part| circle.truth(part)).collect()
-}
-
-/// Judges circles with seeds from 100, and returns the coverage of the intervals.
-fn sweep(seeds: u64, correlation_s: f64) -> Coverage {
-    let mut coverage = Coverage::default();
-    let mut all = Vec::new();
-    for seed in 100..100 + seeds {
-        let circle = Circle::random(seed, correlation_s);
-        let (wrong, covered) = judge(&of_log(&log(&circle)), &truth(&circle), 0.05);
-        if !wrong.is_empty() {
-            all.push(format!("seed {seed}: {wrong:?} {:?}", circle.parts));
-        }
-        coverage.add(covered);
-    }
-    assert!(all.is_empty(), "{} of {seeds}: {}", all.len(), all.join("\n"));
-    coverage
+fn of_circle(circle: &Circle) -> Analysis {
+    of_log(&log(circle))
 }
 
 /// With 60 circles of three parts on average, the standard error of a coverage of 95 % is 1.6 %. Below 90 % intervals are too narrow; at
 /// 100 % of them they would be too wide.
 #[test]
 fn parts_of_a_log_are_found_under_white_noise() {
-    let coverage = sweep(60, 0.0);
+    let coverage = sweep(60, 0.0, of_circle);
     assert!(coverage.all > 150, "{coverage:?}");
     assert!((0.90..=0.999).contains(&coverage.fraction()), "{coverage:?}");
 }
@@ -70,6 +54,6 @@ fn parts_of_a_log_are_found_under_white_noise() {
 /// Noise with a time constant of 30 ms: of 15 samples, one is independent.
 #[test]
 fn parts_of_a_log_are_found_under_correlated_noise() {
-    let coverage = sweep(60, 0.03);
+    let coverage = sweep(60, 0.03, of_circle);
     assert!((0.90..=0.999).contains(&coverage.fraction()), "{coverage:?}");
 }
