@@ -66,9 +66,8 @@ pub struct Analysis {
 /// # Errors
 /// Less than three quarters of a turn in each direction.
 pub fn analyse(measured: Measured) -> Result<Analysis, InputError> {
-    let measured = with_enough(measured)?;
+    let mut measured = with_enough(measured)?;
     let figures = Figures::of(&measured.samples);
-    let mut measured = measured;
     let mut samples = measured.after_known_reversals();
     if is_radial_only(&samples) {
         samples = samples.radial_only();
@@ -86,18 +85,18 @@ pub fn analyse(measured: Measured) -> Result<Analysis, InputError> {
 
 /// The directions of which three quarters of a turn were measured.
 fn with_enough(measured: Measured) -> Result<Measured, InputError> {
-    let covered = |is_clockwise: bool, samples: &Samples| {
+    let samples = &measured.samples;
+    let covered_deg = [false, true].map(|is_clockwise| {
         let mut sectors = contour::sectors::Sectors::new();
         let of_way = samples.instants.iter().filter(|at| (at.direction < 0.0) == is_clockwise);
         of_way.for_each(|at| sectors.add(at.angle, 0.0));
         let step = samples.step_rad().max(std::f64::consts::TAU / contour::sectors::SECTORS as f64);
         part::degrees(step * sectors.points().len() as f64).min(360.0)
-    };
-    let enough = [false, true].map(|way| covered(way, &measured.samples) >= MIN_COVERED_DEG - 1.0);
+    });
+    let enough = covered_deg.map(|deg| deg >= MIN_COVERED_DEG - 1.0);
     if enough == [false, false] {
-        let found = [false, true].map(|way| covered(way, &measured.samples));
         let expected = "three quarters of a turn or more at a steady speed in one direction";
-        let found = format!("{:.0}°", numerics::max(found));
+        let found = format!("{:.0}°", numerics::max(covered_deg));
         return Err(InputError::expected(&measured.source, expected, found));
     }
     let is_kept = |i: usize| enough[usize::from(measured.samples.instants[i].direction < 0.0)];

@@ -1,8 +1,10 @@
 //! A measured circle, from whatever file.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
-use super::samples::{Samples, wrapped};
+use numerics::wrapped;
+
+use super::samples::Samples;
 
 /// Angle after a reversal in which a spike may be, rad.
 const AFTER_REVERSAL_RAD: f64 = 15.0 * PI / 180.0;
@@ -50,7 +52,8 @@ impl Measured {
             let mut travelled = *start_rad;
             for i in arc.clone() {
                 if i > arc.start {
-                    travelled += wrapped(samples.instants[i].angle - samples.instants[i - 1].angle).abs();
+                    travelled +=
+                        wrapped(samples.instants[i].angle - samples.instants[i - 1].angle, TAU).abs();
                 }
                 is_known[i] = (0..2).all(|axis| {
                     let since = samples.instants[i].since_reversal(axis);

@@ -3,6 +3,7 @@
 //! A delay of both axes turns the measured points back along the circle. It is estimated from the tangential deviation, the mean of both
 //! directions, and the command is delayed by it, so that what remains is small beside the radius.
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 use contour::circle_fit::{self, Arc, Circle};
@@ -10,9 +11,10 @@ use contour::logged::POSITIONS;
 use files::error::InputError;
 use files::log::{AxisLog, Channel, Log, Unit};
 use numerics::resample::delayed_cubic;
+use numerics::wrapped;
 
 use super::measured::{Measured, faults};
-use super::samples::{Instant, Observed, Samples, wrapped};
+use super::samples::{Instant, Observed, Samples};
 
 /// Largest deviation of the speed from its median on the part of an arc that is evaluated, as a fraction.
 const STEADY_FRACTION: f64 = 0.02;
@@ -177,7 +179,7 @@ impl<'a> Signals<'a> {
         let radius_mm = 1e3 * self.circle.radius;
         let speed = |i: usize| {
             let (from, to) = (i.saturating_sub(SPEED_SPAN).max(start), (i + SPEED_SPAN).min(last));
-            let swept = wrapped(angles[to] - angles[from]).abs();
+            let swept = wrapped(angles[to] - angles[from], TAU).abs();
             radius_mm * swept / (self.sample_s * (to - from).max(1) as f64)
         };
         let speeds: Vec<f64> = (start..end).map(speed).collect();
@@ -223,7 +225,7 @@ impl<'a> Signals<'a> {
                 }
                 instants.push(at);
             }
-            starts_rad.push(wrapped(angles[arc.samples.start] - arc.start_angle).abs());
+            starts_rad.push(wrapped(angles[arc.samples.start] - arc.start_angle, TAU).abs());
             arcs.push(start..instants.len());
         }
         let mut is_fault = vec![false; instants.len()];

@@ -15,9 +15,10 @@ use std::ops::Range;
 
 use files::error::InputError;
 use files::table::{Row, Table};
+use numerics::wrapped;
 
 use super::measured::{Measured, faults};
-use super::samples::{Instant, Observed, Samples, wrapped};
+use super::samples::{Instant, Observed, Samples};
 
 /// A longer time between two rows, in typical ones, separates two runs.
 const MAX_PAUSE: f64 = 1.5;
@@ -179,7 +180,7 @@ fn split(mut readings: Vec<Reading>) -> Vec<Vec<Reading>> {
 
 /// Angle from one reading to the next, rad.
 fn step(pair: &[Reading]) -> f64 {
-    pair[0].angle.zip(pair[1].angle).map_or(0.0, |(from, to)| wrapped(to - from))
+    pair[0].angle.zip(pair[1].angle).map_or(0.0, |(from, to)| wrapped(to - from, TAU))
 }
 
 /// Direction of each reading from the change of its angle; +1 without angles.

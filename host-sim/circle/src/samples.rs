@@ -1,7 +1,9 @@
 //! What was measured on a circle, sample by sample.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
+
+use numerics::wrapped;
 
 /// One sample of a circle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,7 +148,7 @@ impl Samples {
     #[must_use]
     pub fn swept_rad(&self, arc: &Range<usize>) -> f64 {
         let samples = &self.instants[arc.clone()];
-        samples.windows(2).map(|pair| wrapped(pair[1].angle - pair[0].angle)).sum::<f64>().abs()
+        samples.windows(2).map(|pair| wrapped(pair[1].angle - pair[0].angle, TAU)).sum::<f64>().abs()
     }
 
     /// Measured radial deviation from the nominal circle, with the angle at which it was measured, of each sample.
@@ -200,10 +202,4 @@ impl Samples {
 pub fn radial(at: &Instant, [x, y]: [f64; 2]) -> f64 {
     let [cos, sin] = at.position;
     x * cos + y * sin
-}
-
-/// An angle as −π to π.
-#[must_use]
-pub fn wrapped(angle: f64) -> f64 {
-    (angle + PI).rem_euclid(2.0 * PI) - PI
 }

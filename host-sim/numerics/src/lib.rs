@@ -4,6 +4,7 @@
 //! - [`averages`]: mean, root mean square, standard deviation, median, quantile
 //! - [`bins`]: mean of one variable over equal bins of another
 //! - [`noise`]: standard normal deviates
+//! - [`periodic`]: values that repeat with a period, such as angles
 //! - [`resample`]: a sampled signal, delayed
 //! - [`spectrum`]: power spectrum
 //! - [`distributions`]: F test, Student's t, Wilson's interval of a probability
@@ -17,8 +18,10 @@ pub mod bins;
 pub mod distributions;
 pub mod extremes;
 pub mod noise;
+pub mod periodic;
 pub mod resample;
 pub mod spectrum;
 
 pub use averages::{mean, mean_and_deviation, median, quantile, rms, rms_reduction_percent};
 pub use extremes::{max, max_abs, min, min_max, peak_to_peak};
+pub use periodic::wrapped;

@@ -169,14 +169,13 @@ fn row([axis, truth, found, errors]: [&str; 4]) -> Markup {
 /// Error of each parameter that is not declared: of a phase in degrees within ±180, otherwise in percent of the true
 /// value.
 fn parameter_errors(truth: &Effect, found: &FoundEffect) -> String {
-    const TURN: f64 = std::f64::consts::TAU;
     let values = truth.values().into_iter().zip(found.effect.values());
     let errors =
         truth.declared_parameters().into_iter().zip(values).filter_map(|(parameter, (truth, found))| {
             let error = found - truth;
             let name = parameter.title();
             if parameter.period.is_some() {
-                let wrapped = (error + 0.5 * TURN).rem_euclid(TURN) - 0.5 * TURN;
+                let wrapped = numerics::wrapped(error, std::f64::consts::TAU);
                 Some(format!("{name} {}°", signed(wrapped.to_degrees(), 2)))
             } else if error.abs() <= 1e-9 * truth.abs() {
                 None

@@ -163,7 +163,7 @@ pub fn half_widths(effect: &Effect, covariance: &Covariance, indices: Range<usiz
         for (i, value) in effect.at(&moved).values().into_iter().enumerate() {
             let mut change = value - parameters[i];
             if let Some(period) = declared[i].period {
-                change = (change + 0.5 * period).rem_euclid(period) - 0.5 * period;
+                change = numerics::wrapped(change, period);
             }
             jacobian[(i, j)] = change / step;
         }

@@ -90,7 +90,7 @@ impl CircleRecord {
         let mut last = 0.0;
         let unwrapped = |row: &Row| {
             let now = row.scale_m[q].atan2(row.scale_m[p]);
-            angle += (now - last + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU;
+            angle += numerics::wrapped(now - last, TAU);
             last = now;
             angle
         };

@@ -82,7 +82,7 @@ fn middle_lap(log: &Log, sense: f64) -> Vec<[f64; 2]> {
     let mut lap = Vec::new();
     for ([x, y], tool) in command_m.iter().zip(tool_m) {
         let angle = sense * y.atan2(*x);
-        turned += (angle - last + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU;
+        turned += numerics::wrapped(angle - last, TAU);
         last = angle;
         if (0.25 * TAU..1.25 * TAU).contains(&turned) {
             lap.push(tool);
