@@ -41,7 +41,7 @@ mod tests {
         Stepper { load_angle: LoadAngle { friction_um, um_s2_per_m }, ..Stepper::default() }
     }
 
-    /// Forth and back at 10 mm/s with a friction angle of 3 µm: the rotor lags by it in either direction; while it turns over, 6 µm of the
+    /// Back and forth at 10 mm/s with a friction angle of 3 µm: the rotor lags by it in either direction; while it turns over, 6 µm of the
     /// command, it stands.
     #[test]
     fn friction_is_a_lag_in_the_direction_of_motion() {

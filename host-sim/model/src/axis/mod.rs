@@ -233,18 +233,16 @@ macro_rules! settings {
 axis_keys!(settings);
 
 impl Settings {
-    /// Whether the position and velocity loops are declared.
-    #[must_use]
-    pub fn has_controller(&self) -> bool {
-        self.controller.law.is_some()
-            && self.controller.position_gain_per_s.is_some()
-            && self.controller.velocity_gain_n_s_per_m.is_some()
-    }
-
     /// Whether a mass above zero is declared.
     #[must_use]
     pub fn has_mass(&self) -> bool {
         self.mechanics.motor_mass_kg.unwrap_or(0.0) + self.mechanics.table_mass_kg.unwrap_or(0.0) > 0.0
+    }
+
+    /// Whether the file says what forces stretch the drive train, or how far: by masses or by the stiffness.
+    #[must_use]
+    pub fn has_drive_train(&self) -> bool {
+        self.has_mass() || !self.is_rigid()
     }
 
     /// Travel of four full steps of a stepper motor, mm; `None` without a lead.

@@ -36,14 +36,12 @@ impl EffectModel for InertialWindup {
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
 
     fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
-        let is_known = axis.has_mass() || !axis.is_rigid();
-        if is_known { Prerequisite::NotApplicable } else { Prerequisite::Met }
+        if axis.has_drive_train() { Prerequisite::NotApplicable } else { Prerequisite::Met }
     }
 
     fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
         let expected = "no such key, as masses or stiffness are given".to_owned();
-        let is_known = place.axis.has_mass() || !place.axis.is_rigid();
-        is_known.then_some(Misplaced { key: "um_s2_per_m", expected })
+        place.axis.has_drive_train().then_some(Misplaced { key: "um_s2_per_m", expected })
     }
 
     fn stages(&self) -> &'static [Stage] {

@@ -80,14 +80,12 @@ impl EffectModel for LostMotion {
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
 
     fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
-        let is_parted = axis.has_mass() || !axis.is_rigid();
-        if is_parted { Prerequisite::NotApplicable } else { Prerequisite::Met }
+        if axis.has_drive_train() { Prerequisite::NotApplicable } else { Prerequisite::Met }
     }
 
     fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
-        let is_parted = place.axis.has_mass() || !place.axis.is_rigid();
         let what = "this effect only where neither masses nor stiffness are given, otherwise backlash";
-        is_parted.then(|| Misplaced::name(what))
+        place.axis.has_drive_train().then(|| Misplaced::name(what))
     }
 
     fn stages(&self) -> &'static [Stage] {

@@ -165,24 +165,25 @@ impl FitData<'_> {
 
     fn motor(&self, model: &AxisModel, parameters: &AxisParameters, signals: &AxisSignals) -> Vec<f64> {
         let (Some(motor), Some(command)) = (&signals.motor, &signals.command) else { return Vec::new() };
-        let loop_s = f64::from(self.rates.position_loop_divider) / self.rates.velocity_loop_hz;
+        let sample_s = self.sample_s();
         let simulated = match model.axis.settings.controller.drive {
-            Drive::Torque => None,
+            Drive::Torque => self.closed_loop(model, parameters, signals).map(|simulated| simulated.motor_m),
             Drive::Velocity => {
-                velocity_drive::motor(&model.axis.settings, &parameters.servo, command, loop_s)
+                velocity_drive::motor(&model.axis.settings, &parameters.servo, command, sample_s)
             }
             Drive::Stepper => {
                 let dead_time_s = parameters.servo.velocity_drive.dead_time_s;
-                let command = delayed_cubic(command.clone(), dead_time_s, loop_s);
-                Some(parameters.stepper.rotor_m(&command, loop_s))
+                let command = delayed_cubic(command.clone(), dead_time_s, sample_s);
+                Some(parameters.stepper.rotor_m(&command, sample_s))
             }
         };
-        if let Some(simulated) = simulated {
-            return difference(&motor.raw, &simulated, 1e6, 0.0);
-        }
-        let simulated = self.closed_loop(model, parameters, signals).map(|simulated| simulated.motor_m);
         // Without a valid closed loop the residual is the following error itself.
         difference(&motor.raw, simulated.as_ref().unwrap_or(command), 1e6, 0.0)
+    }
+
+    /// Period of the position loop, s: that of the logs.
+    fn sample_s(&self) -> f64 {
+        f64::from(self.rates.position_loop_divider) / self.rates.velocity_loop_hz
     }
 
     /// The command that the controller received, m: the logged one at the instants at which it was in force.
@@ -192,7 +193,7 @@ impl FitData<'_> {
         if late_s == 0.0 {
             return Some(Cow::Borrowed(command));
         }
-        let sample_s = f64::from(self.rates.position_loop_divider) / self.rates.velocity_loop_hz;
+        let sample_s = self.sample_s();
         Some(Cow::Owned(delayed_cubic(command.clone(), -late_s, sample_s)))
     }
 
@@ -214,7 +215,7 @@ impl FitData<'_> {
             InitialState::of(&command, signals, 1e-6 * model.table_zero_um, &self.options.samples)?;
         start.table_m =
             start.table_m.map(|reading_m| parameters.scale.table_of_reading_m(reading_m, start.time_s));
-        let sample_s = f64::from(self.rates.position_loop_divider) / self.rates.velocity_loop_hz;
+        let sample_s = self.sample_s();
         let added =
             signals.added_force.as_ref().map(|added| added.from_sample_n(&model.axis.effect, sample_s));
         let controlled = Controlled { settings: &settings, rates: self.rates };

@@ -2,7 +2,7 @@
 
 use super::fit_data::FitData;
 use super::scope::{Mechanics, NotTestable, Scope, ShownIn};
-use crate::input::signals::AxisSignals;
+use crate::input::signals::{AxisSignals, logged_channels};
 use model::axis::{Drive, Feedback, Law, Settings};
 use model::effects::Stage;
 use model::machine::Axis;
@@ -44,12 +44,11 @@ pub fn scopes(axis: &Axis, data: &FitData<'_>) -> (Vec<Scope>, Vec<NotTestable>)
 
 /// Where the axis shows the effects of stages whose channel no log has.
 fn shown_in(axis: &Axis, data: &FitData<'_>) -> ShownIn {
-    let has = |channel: fn(&AxisSignals) -> bool| (0..data.logs.len()).any(|log| channel(data.signals(log)));
-    let has_table = has(|a| a.table.is_some());
+    let logged = logged_channels(data.logs, data.axis);
+    let has_driven_tool = |log: usize| data.signals(log).tool.is_some() && data.signals(log).motor.is_some();
     ShownIn {
-        table_in_tool: !has_table && has(|a| a.tool.is_some() && a.motor.is_some()),
-        motor_in_next: axis.settings.controller.drive == Drive::Stepper
-            && !has(AxisSignals::has_motor_reading),
+        table_in_tool: !logged.scale && (0..data.logs.len()).any(has_driven_tool),
+        motor_in_next: axis.settings.controller.drive == Drive::Stepper && !logged.motor,
     }
 }
 

@@ -25,13 +25,13 @@ pub fn motor(
     sample_s: f64,
 ) -> Option<Vec<f64>> {
     let gain = settings.controller.position_gain_per_s? * servo.mismatch.factor();
-    let percent = settings.controller.feedforward_percent.unwrap_or(0.0) + servo.feedforward.percent;
-    let mut axis = Axis::following(servo, (command, sample_s), [gain, 0.01 * percent]);
+    let feed = 0.01 * (settings.controller.feedforward_percent.unwrap_or(0.0) + servo.feedforward.percent);
+    let mut axis = Axis::following(servo, (command, sample_s), [gain, feed]);
     let mut motor_m = Vec::with_capacity(command.len());
     let mut before_m = command.first().map(|first| first - axis.velocity * sample_s)?;
     for &now_m in command {
         motor_m.push(axis.position_m);
-        let wanted = gain * (now_m - axis.position_m) + 0.01 * percent * (now_m - before_m) / sample_s;
+        let wanted = gain * (now_m - axis.position_m) + feed * (now_m - before_m) / sample_s;
         before_m = now_m;
         axis.sample(wanted, sample_s);
     }

@@ -53,7 +53,7 @@ impl EffectContext<'_> {
     /// Whether nothing parts a gap from the stretch of the drive train: neither stiffness and masses nor the force are known.
     #[must_use]
     pub fn hides_windup(&self) -> bool {
-        self.axis.is_rigid() && !self.logged.force && !self.axis.has_mass()
+        !self.axis.has_drive_train() && !self.logged.force
     }
 
     /// Number of the model's effects of this name.

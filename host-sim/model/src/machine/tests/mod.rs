@@ -69,8 +69,14 @@ fn axes_are_read_in_the_order_of_the_file() {
     let [of_y, of_x] = [&y.settings, &x.settings];
     assert_eq!((of_y.controller.law, of_y.sensors.feedback), (Some(Law::Hpc), Feedback::Dual));
     assert_eq!(y.effect.iter().map(Effect::name).collect::<Vec<_>>(), ["backlash", "crosstalk", "latency"]);
-    assert!(of_y.has_controller() && of_y.has_mass() && !of_y.is_rigid());
-    assert!(!of_x.has_controller() && !of_x.has_mass() && of_x.is_rigid());
+    let has_controller = |axis: &crate::axis::Settings| {
+        let controller = &axis.controller;
+        controller.law.is_some()
+            && controller.position_gain_per_s.is_some()
+            && controller.velocity_gain_n_s_per_m.is_some()
+    };
+    assert!(has_controller(of_y) && of_y.has_mass() && !of_y.is_rigid());
+    assert!(!has_controller(of_x) && !of_x.has_mass() && of_x.is_rigid());
     assert_eq!(of_x.sensors.feedback, Feedback::Motor);
     assert_eq!(machine.others("x"), ["y"]);
 }
