@@ -11,12 +11,14 @@ mod demo;
 mod friction_map;
 mod import;
 mod improve;
+mod init;
 mod input_error;
 mod logged_run;
 mod logs;
 mod margins;
 mod outputs;
 mod progress;
+mod questions;
 mod record;
 mod reproduce;
 mod self_test;
@@ -72,6 +74,8 @@ enum Command {
     Trace(trace::Arguments),
     /// Turn a log that another program wrote into one that the other commands read.
     Import(import::Arguments),
+    /// Estimate a machine file from logs: what they show of drive, gains, masses, friction and stiffness.
+    Init(init::Arguments),
     /// Compute gain and phase margins of the velocity and position loops of a machine file.
     Margins(margins::Arguments),
     /// Log, trace, compensate and run a simulated machine again, round after round, until nothing more is gained.
@@ -102,6 +106,7 @@ pub fn run() -> ExitCode {
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Import(arguments) => import::run(&arguments),
         Command::Improve(arguments) => improve::run(&arguments),
+        Command::Init(arguments) => init::run(&arguments),
         Command::Tune(arguments) => tune::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
     };

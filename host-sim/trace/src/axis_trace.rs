@@ -110,6 +110,22 @@ pub fn trace(
     }
 }
 
+/// Fits the declared values of an axis and nothing else, as a trace does first: the model, and rms and noise of what it leaves of each
+/// stage, µm or N.
+#[must_use]
+pub fn fit_values(declared: &Axis, data: &FitData<'_>) -> (AxisModel, Vec<(Stage, [f64; 2])>) {
+    let (scopes, _) = scopes(declared, data);
+    let written = AxisModel::new(declared, data.rates, data.options.model);
+    let (model, _) = Tracing { fit_data: data, scopes: &scopes, progress: &|_| {} }.fit_declared(&written);
+    let mut left = Vec::new();
+    for scope in &scopes {
+        let residuals = data.residuals(&model, scope);
+        let of_stage = |stage: &Stage| (*stage, [data.rms(&residuals, *stage), data.noise(&model, *stage)]);
+        left.extend(scope.stages.iter().map(of_stage));
+    }
+    (model, left)
+}
+
 /// The errors of both models under the measured force alone, on the validation logs.
 fn free_runs_of(validate: &FitData<'_>, [before, model]: [&AxisModel; 2]) -> Vec<FreeRun> {
     let logs: Vec<_> = validate.logs.iter().map(|log| (&log.axes[validate.axis], log.sample_s)).collect();
@@ -166,8 +182,7 @@ impl Tracing<'_> {
 
     /// The values of the machine file; only zeros and instants of the logs are fitted.
     fn as_declared(&self, declared: &Axis) -> AxisModel {
-        let mut fixed = declared.clone();
-        fixed.settings.mechanics.plant_tolerance_percent = None;
+        let fixed = Axis { settings: declared.settings.clone().without_tolerances(), ..declared.clone() };
         let mut model = AxisModel::new(&fixed, self.fit_data.rates, self.fit_data.options.model);
         for scope in self.scopes {
             model = least_squares::fit(self.fit_data, &model, scope, least_squares::STEPS).model;

@@ -20,6 +20,7 @@ mod empirical;
 mod example_machines;
 mod hum;
 mod incomplete_logs;
+mod init;
 mod measured_data;
 mod model_again;
 mod module_circles;

@@ -89,6 +89,8 @@ macro_rules! axis_keys {
                 friction_curve: Option<Curve>,
                 /// Tolerance of the declared mechanical values; absent: 0.
                 plant_tolerance_percent: Option<f64> [UpTo(100.0)],
+                /// Tolerances of single values, in place of that of all, and of settings of the controller, which are otherwise exact.
+                tolerance_percent: Option<Tolerances>,
                 /// Travel per turn of the screw.
                 lead_mm: Option<f64> [Positive],
                 /// Full steps of a stepper motor per turn; absent: 200.

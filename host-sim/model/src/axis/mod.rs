@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use shared::units::TRAVEL_LIMIT_M;
 
 use crate::friction_curve::Curve;
+use crate::machine::nominal::{TOLERATED, Tolerances};
 use crate::range::Range::{self, NotNegative, Positive, UpTo};
 
 /// Full steps per turn of most stepper motors: 1.8° each.
@@ -141,6 +142,7 @@ impl Value for u32 {
 impl Value for [f64; 2] {}
 impl Value for Law {}
 impl Value for Curve {}
+impl Value for Tolerances {}
 
 impl<T: Value> Field for Option<T> {
     fn is_given(&self) -> bool {
@@ -243,6 +245,21 @@ impl Settings {
     #[must_use]
     pub fn has_drive_train(&self) -> bool {
         self.has_mass() || !self.is_rigid()
+    }
+
+    /// Relative tolerance of a declared value, by its key; 0: it is exact.
+    #[must_use]
+    pub fn tolerance(&self, key: &str) -> f64 {
+        let value = TOLERATED.iter().find(|value| value.key == key);
+        value.map_or(0.0, |value| value.tolerance(self))
+    }
+
+    /// These settings with exact values.
+    #[must_use]
+    pub fn without_tolerances(mut self) -> Self {
+        self.mechanics.plant_tolerance_percent = None;
+        self.mechanics.tolerance_percent = None;
+        self
     }
 
     /// Travel of four full steps of a stepper motor, mm; `None` without a lead.

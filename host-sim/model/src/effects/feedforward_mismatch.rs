@@ -47,8 +47,10 @@ impl EffectModel for FeedforwardMismatch {
         &[Stage::Motor]
     }
 
+    /// None where the setting has a tolerance: it is then fitted as a declared value.
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        if context.has(Stage::Motor) { vec![Self::default()] } else { Vec::new() }
+        let is_exact = context.axis.tolerance("feedforward_percent") == 0.0;
+        if context.has(Stage::Motor) && is_exact { vec![Self::default()] } else { Vec::new() }
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {

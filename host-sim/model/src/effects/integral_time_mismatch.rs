@@ -43,9 +43,11 @@ impl EffectModel for IntegralTimeMismatch {
         place.axis.controller.velocity_integral_time_s.is_none().then(|| Misplaced::name(what))
     }
 
+    /// None where the setting has a tolerance: it is then fitted as a declared value.
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
         let has_integral = context.axis.controller.velocity_integral_time_s.is_some();
-        if context.has(Stage::Motor) && has_integral { vec![Self::default()] } else { Vec::new() }
+        let is_exact = context.axis.tolerance("velocity_integral_time_s") == 0.0;
+        if context.has(Stage::Motor) && has_integral && is_exact { vec![Self::default()] } else { Vec::new() }
     }
 
     /// The slow part of the force, on which Ti acts, also contains the lag of the drive and friction near standstill, which

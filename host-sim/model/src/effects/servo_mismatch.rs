@@ -34,8 +34,10 @@ impl EffectModel for ServoMismatch {
 
     relative_deviation!(step 0.2, limits [-80.0, 300.0]);
 
+    /// None where the setting has a tolerance: it is then fitted as a declared value.
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        if context.has(Stage::Motor) { vec![Self::default()] } else { Vec::new() }
+        let is_exact = context.axis.tolerance("position_gain_per_s") == 0.0;
+        if context.has(Stage::Motor) && is_exact { vec![Self::default()] } else { Vec::new() }
     }
 
     /// The unknown discretization of a drive's filters has an effect of 0.25 %.

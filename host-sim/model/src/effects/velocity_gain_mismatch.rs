@@ -37,8 +37,10 @@ impl EffectModel for VelocityGainMismatch {
 
     relative_deviation!(step 0.5, limits [-90.0, 400.0]);
 
+    /// None where the setting has a tolerance: it is then fitted as a declared value.
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        if context.has(Stage::Motor) { vec![Self::default()] } else { Vec::new() }
+        let is_exact = context.axis.tolerance("velocity_gain_n_s_per_m") == 0.0;
+        if context.has(Stage::Motor) && is_exact { vec![Self::default()] } else { Vec::new() }
     }
 
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {

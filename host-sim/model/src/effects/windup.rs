@@ -73,7 +73,7 @@ impl EffectModel for Windup {
 
     /// A higher stiffness is fitted as a declared value.
     fn exceeds_tolerance(&self, declared: &Settings, _rates: Rates) -> bool {
-        let tolerance = 0.01 * declared.mechanics.plant_tolerance_percent.unwrap_or(0.0);
+        let tolerance = declared.tolerance("stiffness_n_per_um");
         declared
             .mechanics
             .stiffness_n_per_um

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::nominal::{LogOffsets, Nominal, TOLERATED};
+use super::nominal::{LogOffsets, Nominal, TOLERATED, Tolerances};
 use crate::axis::{
     Controller, Drive, Feedback, Field, Filters, Law, Limits, Mechanics, Sensors, Settings, axis_keys,
 };

@@ -42,6 +42,7 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
         context.filters(machine.velocity_rate_hz())?;
         context.travel()?;
         context.mechanics()?;
+        context.tolerances()?;
         context.nominal()?;
         context.empirical(machine)?;
         context.log_offsets(machine.sample_rate_hz)?;

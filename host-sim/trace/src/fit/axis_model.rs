@@ -9,6 +9,7 @@ use shared::config::Rates;
 use super::held_effects;
 use super::limits::{self, ParameterAtLimit};
 use super::scope::{Mechanics, Scope};
+use super::total_mass::is_mass;
 use super::trim::Trims;
 use crate::options::ModelOptions;
 use model::effects::{Effect, Stage};
@@ -168,13 +169,13 @@ impl AxisModel {
     pub fn is_beyond_tolerance(&self) -> bool {
         self.tolerated_keys().any(|(key, nominal)| {
             let value = (key.get)(&self.axis.settings).unwrap_or(nominal);
-            (value / nominal - 1.0).abs() > 1.0001 * self.tolerance()
+            (value / nominal - 1.0).abs() > 1.0001 * self.tolerance_of(key)
         })
     }
 
     /// The range in which a fit may move a declared value.
     fn range(&self, key: &Tolerated, nominal: f64) -> [f64; 2] {
-        let tolerance = self.tolerance();
+        let tolerance = self.tolerance_of(key);
         if self.within_tolerance.contains(&key.key) {
             return [nominal * (1.0 - tolerance), nominal * (1.0 + tolerance)];
         }
@@ -257,10 +258,22 @@ impl AxisModel {
         self.trims.applied(AxisParameters::of(&self.axis), &self.axis.effect)
     }
 
-    /// Relative tolerance of the declared values.
+    /// Relative tolerance of the declared mechanical values that have none of their own, and of the declared effects.
     #[must_use]
     pub fn tolerance(&self) -> f64 {
         0.01 * self.declared.settings.mechanics.plant_tolerance_percent.unwrap_or(0.0)
+    }
+
+    /// Relative tolerance of a declared value.
+    #[must_use]
+    pub fn tolerance_of(&self, key: &Tolerated) -> f64 {
+        key.tolerance(&self.declared.settings)
+    }
+
+    /// The larger relative tolerance of the masses.
+    #[must_use]
+    pub fn mass_tolerance(&self) -> f64 {
+        numerics::max(TOLERATED.iter().filter(|key| is_mass(key.key)).map(|key| self.tolerance_of(key)))
     }
 
     /// Sum of the nominal masses.
@@ -272,11 +285,10 @@ impl AxisModel {
 
     /// Keys with a tolerance, with their nominal values.
     fn tolerated_keys(&self) -> impl Iterator<Item = (&'static Tolerated, f64)> {
-        let tolerance = self.tolerance();
         TOLERATED
             .iter()
-            .filter_map(move |key| (key.get)(&self.nominal.settings).filter(|&v| v > 0.0).map(|v| (key, v)))
-            .filter(move |_| tolerance > 0.0)
+            .filter_map(|key| (key.get)(&self.nominal.settings).filter(|&v| v > 0.0).map(|v| (key, v)))
+            .filter(|(key, _)| self.tolerance_of(key) > 0.0)
     }
 
     /// Whether a declared effect is fitted without its tolerance: a found one is a part of it if it was identified without that. A

@@ -17,11 +17,11 @@ const MAX_HALF_WIDTH: f64 = 0.5;
 /// without the candidate does not.
 #[must_use]
 pub fn takes_place_of_mass(data: &FitData<'_>, without: &Fitted, with: &Fitted, scope: &Scope) -> bool {
-    if scope.mechanics != Mechanics::All || without.model.tolerance() <= 0.0 {
+    if scope.mechanics != Mechanics::All || without.model.mass_tolerance() <= 0.0 {
         return false;
     }
     let is_undetermined = |fit: &Fitted| {
-        let max_kg = MAX_HALF_WIDTH * fit.model.tolerance() * fit.model.nominal_mass_kg();
+        let max_kg = MAX_HALF_WIDTH * fit.model.mass_tolerance() * fit.model.nominal_mass_kg();
         has_mass_at_end(&fit.model) || half_width_kg(data, fit, scope) > max_kg
     };
     is_undetermined(with) && !is_undetermined(without)

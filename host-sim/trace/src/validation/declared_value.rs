@@ -13,7 +13,7 @@ use crate::fit::scope::Mechanics;
 use crate::fit::scope_fit::ScopeFit;
 use crate::fit::total_mass::is_mass;
 use model::effects::Stage;
-use model::machine::nominal::Tolerated;
+use model::machine::nominal::{TOLERATED, Tolerated};
 
 /// A declared value with its fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +55,12 @@ impl DeclaredValue {
         is_mass(self.key) || ["stiffness_n_per_um", "motor_coulomb_n"].contains(&self.key)
     }
 
+    /// Whether it is a setting of the controller, on which the scale of the logged force has no influence.
+    #[must_use]
+    pub fn is_of_controller(&self) -> bool {
+        TOLERATED.iter().any(|key| key.key == self.key && key.is_of_controller)
+    }
+
     /// Whether the whole confidence interval is outside the tolerance, on one side.
     fn is_fitted_beyond_tolerance(&self) -> bool {
         let excess = (self.fitted - self.declared).abs() - self.tolerance * self.declared;
@@ -69,13 +75,33 @@ impl DeclaredValue {
     }
 }
 
-/// The declared values of the mechanical fit, in the order of the keys.
+/// The declared values of the mechanical fit, then the settings of the controller from the fit to the motor, in the order of the keys.
 #[must_use]
-pub fn declared_values([fit_data, validate]: [&FitData<'_>; 2], axis: &FittedAxis) -> Vec<DeclaredValue> {
-    let fits_values =
+pub fn declared_values(data: [&FitData<'_>; 2], axis: &FittedAxis) -> Vec<DeclaredValue> {
+    let fits_mechanics =
         |fit: &&ScopeFit| matches!(fit.fitted_scope.mechanics, Mechanics::All | Mechanics::Values);
-    let Some(fit) = axis.fits.iter().rfind(fits_values) else { return Vec::new() };
-    let (model, covariance) = (&fit.fitted.model, covariance(fit_data, &fit.fitted));
+    let fits_settings = |fit: &&ScopeFit| fit.fitted_scope.stages.contains(&Stage::Motor);
+    let mut values = Vec::new();
+    if let Some(fit) = axis.fits.iter().rfind(fits_mechanics) {
+        values.extend(values_of(data, axis, fit, |key| !key.is_of_controller));
+    }
+    if let Some(fit) = axis.fits.iter().rfind(fits_settings) {
+        values.extend(values_of(data, axis, fit, |key| key.is_of_controller));
+    }
+    values
+}
+
+/// The declared values of a fit that are wanted.
+fn values_of(
+    data: [&FitData<'_>; 2],
+    axis: &FittedAxis,
+    fit: &ScopeFit,
+    is_wanted: impl Fn(&Tolerated) -> bool,
+) -> Vec<DeclaredValue> {
+    if !fit.fitted.model.declared_values(&fit.fitted_scope).any(|(_, key, _)| is_wanted(key)) {
+        return Vec::new();
+    }
+    let (model, covariance) = (&fit.fitted.model, covariance(data[0], &fit.fitted));
     let at_bounds = model.at_bounds();
     // Motor and force show the sum of the masses and of the friction; how it is divided follows from the small stretch of the screw.
     // Without the table, or with noise above it, as of a coarse encoder or of instants that jitter, errors of the readings decide;
@@ -90,7 +116,7 @@ pub fn declared_values([fit_data, validate]: [&FitData<'_>; 2], axis: &FittedAxi
             declared,
             fitted: (key.get)(&model.axis.settings).unwrap_or(declared),
             half_width: covariance.half_width(index),
-            tolerance: model.tolerance(),
+            tolerance: model.tolerance_of(key),
             is_at_bound: at_bounds.contains(&key.key),
             is_poorly_determined: key.is_poorly_determined(),
             is_beyond_tolerance: false,
@@ -98,10 +124,10 @@ pub fn declared_values([fit_data, validate]: [&FitData<'_>; 2], axis: &FittedAxi
         let is_precise = fitted.half_width < 0.5 * fitted.tolerance * declared;
         let is_beyond_tolerance = (shows_division && is_precise || !(is_elastic && fitted.is_of_division()))
             && fitted.is_fitted_beyond_tolerance()
-            && is_confirmed([fit_data, validate], fit, key);
+            && is_confirmed(data, fit, key);
         DeclaredValue { is_beyond_tolerance, ..fitted }
     };
-    model.declared_values(&fit.fitted_scope).map(value).collect()
+    model.declared_values(&fit.fitted_scope).filter(|(_, key, _)| is_wanted(key)).map(value).collect()
 }
 
 /// Number of determined values from which one factor for all of them is one cause, and no coincidence.
@@ -110,7 +136,7 @@ const MIN_COMMON: usize = 3;
 /// The mean ratio of fitted to declared value of all values that the logs determine.
 #[must_use]
 pub fn mean_factor(values: &[DeclaredValue]) -> f64 {
-    let determined = values.iter().filter(|value| value.is_determined());
+    let determined = values.iter().filter(|value| value.is_determined() && !value.is_of_controller());
     numerics::mean(determined.map(|value| value.fitted / value.declared))
 }
 
@@ -119,7 +145,8 @@ pub fn mean_factor(values: &[DeclaredValue]) -> f64 {
 /// them are.
 #[must_use]
 pub fn are_off_by_one_factor(values: &[DeclaredValue]) -> bool {
-    let determined: Vec<&DeclaredValue> = values.iter().filter(|value| value.is_determined()).collect();
+    let is_mechanical = |value: &&DeclaredValue| value.is_determined() && !value.is_of_controller();
+    let determined: Vec<&DeclaredValue> = values.iter().filter(is_mechanical).collect();
     let is_any_beyond = determined.iter().any(|value| value.is_fitted_beyond_tolerance());
     let factor = mean_factor(values);
     let is_common = |value: &&DeclaredValue| {

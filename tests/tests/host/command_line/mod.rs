@@ -8,6 +8,7 @@ mod compensate;
 mod import;
 mod import_formats;
 mod improve;
+mod init;
 mod margins;
 mod refused;
 mod reproduce;

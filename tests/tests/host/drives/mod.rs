@@ -6,6 +6,9 @@ mod only_tool;
 mod stepper;
 mod velocity;
 
+pub use stepper::usual_logs as logs_of_a_stepper;
+pub use velocity::usual_logs as logs_of_a_velocity_drive;
+
 use files::log::{AxisLog, Log, Unit};
 use model::machine::Machine;
 use rand::SeedableRng;

@@ -4,6 +4,7 @@ use super::{
     Command, SAMPLE_S, STEPS, Simulated, behind_gap, command_and_acceleration, found, log, machine, names,
     stepping, swinging,
 };
+use files::log::Log;
 use std::f64::consts::TAU;
 use trace::{Trace, trace};
 
@@ -47,15 +48,24 @@ fn simulated(axis: &Axis, command: Command, seconds: u32) -> Simulated {
     Simulated { command: commands, motor, table }
 }
 
-fn traced(axis: &Axis, has_encoder: bool, seed: u64) -> Trace {
+fn logs(axis: &Axis, has_encoder: bool, seed: u64) -> [Log; 3] {
     // At 15 mm/s, four full steps are passed 150 times a second.
-    let logs = [
+    [
         log("swing.csv", seed, simulated(axis, |t| swinging(0.15 * t), 30), has_encoder),
         log("step.csv", seed + 100, simulated(axis, |t| 0.4 * stepping(0.7 * t), 20), has_encoder),
         log("held.csv", seed + 200, simulated(axis, |t| swinging(0.15 * t + 3.0), 20), has_encoder),
-    ];
+    ]
+}
+
+fn traced(axis: &Axis, has_encoder: bool, seed: u64) -> Trace {
+    let logs = logs(axis, has_encoder, seed);
     let machine = machine("drive = \"stepper\"\nlead_mm = 5.0\n");
     trace(&machine, &logs[..2], &logs[2..], &|_| {}).unwrap()
+}
+
+/// Logs without an encoder.
+pub fn usual_logs() -> [Log; 3] {
+    logs(&AXIS, false, 1)
 }
 
 #[test]

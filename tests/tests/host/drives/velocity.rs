@@ -3,6 +3,7 @@
 use super::{
     Command, SAMPLE_S, STEPS, Simulated, behind_gap, found, log, machine, names, stepping, swinging,
 };
+use files::log::Log;
 use trace::{Trace, trace};
 
 /// A machine that the machine file does not know.
@@ -56,13 +57,22 @@ fn simulated(axis: &Axis, command: Command, seconds: u32) -> Simulated {
     Simulated { command: commands, motor, table }
 }
 
-fn traced(axis: &Axis, keys: &str, seed: u64) -> Trace {
-    let logs = [
+fn logs(axis: &Axis, seed: u64) -> [Log; 3] {
+    [
         log("swing.csv", seed, simulated(axis, swinging, 12), true),
         log("step.csv", seed + 100, simulated(axis, stepping, 15), true),
         log("held.csv", seed + 200, simulated(axis, |t| swinging(t + 3.0), 8), true),
-    ];
+    ]
+}
+
+fn traced(axis: &Axis, keys: &str, seed: u64) -> Trace {
+    let logs = logs(axis, seed);
     trace(&machine(&format!("drive = \"velocity\"\n{keys}")), &logs[..2], &logs[2..], &|_| {}).unwrap()
+}
+
+/// Logs of a drive with Kp 45 1/s and Kf 80 %.
+pub fn usual_logs() -> [Log; 3] {
+    logs(&AXIS, 2)
 }
 
 const KEYS: &str = "position_gain_per_s = 45.0\nfeedforward_percent = 80.0\n";

@@ -19,11 +19,24 @@ const LARGEST_OF_DRIVE: f64 = 1e3;
 const ROUNDING: f64 = 1e-9;
 
 impl Context<'_> {
+    /// The `tolerance_percent` table: percentages, of values that the axis has.
+    pub(super) fn tolerances(&self) -> Result<(), InputError> {
+        let Some(tolerances) = &self.settings.mechanics.tolerance_percent else { return Ok(()) };
+        for value in TOLERATED {
+            let Some(percent) = (value.own_tolerance_percent)(tolerances) else { continue };
+            let key = format!("tolerance_percent.{}", value.key);
+            Range::UpTo(100.0).check(&format!("{}.{key}", self.key), percent, self.document)?;
+            if (value.get)(self.settings).is_none() {
+                return Err(self.refuse(&key, &format!("no such key, as {} is not given", value.key)));
+            }
+        }
+        Ok(())
+    }
+
     /// The `nominal` table. The axis must have the same values and effects, and its values must be in the range of a fit,
     /// [`Tolerated::range`](crate::machine::nominal::Tolerated::range).
     pub(super) fn nominal(&self) -> Result<(), InputError> {
         let Some(nominal) = &self.axis.nominal else { return Ok(()) };
-        let percent = self.settings.mechanics.plant_tolerance_percent.unwrap_or(0.0);
         for value in TOLERATED {
             let Some(centre) = (value.nominal)(nominal) else { continue };
             let key = format!("nominal.{}", value.key);
@@ -31,11 +44,12 @@ impl Context<'_> {
             let Some(fitted) = (value.get)(self.settings) else {
                 return Err(self.refuse(&key, &format!("no such key, as {} is not given", value.key)));
             };
-            let [least, most] = value.range(centre, 0.01 * percent);
+            let tolerance = value.tolerance(self.settings);
+            let [least, most] = value.range(centre, tolerance);
             if fitted < least * (1.0 - ROUNDING) || fitted > most * (1.0 + ROUNDING) {
                 let what = format!(
-                    "a value that a fit may give, {least} to {most}, from {key} ({centre}) and \
-                     plant_tolerance_percent ({percent})"
+                    "a value that a fit may give, {least} to {most}, from {key} ({centre}) and its tolerance ({} %)",
+                    100.0 * tolerance
                 );
                 return Err(self.refuse(value.key, &what));
             }

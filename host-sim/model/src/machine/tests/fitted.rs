@@ -53,7 +53,7 @@ fn nominal_values_and_offsets_that_do_not_belong_to_the_axis_are_refused() {
         (
             ["per_um = 160.0", "per_um = 190.0"],
             "axis.y.stiffness_n_per_um: expected a value that a fit may give, 152 to 266, from \
-             nominal.stiffness_n_per_um (190) and plant_tolerance_percent (10), found 150.0",
+             nominal.stiffness_n_per_um (190) and its tolerance (10 %), found 150.0",
         ),
         (
             ["coulomb_n = 150.0\ndamping_n", "coulomb_n = -1.0\ndamping_n"],
@@ -86,4 +86,36 @@ fn nominal_values_and_offsets_that_do_not_belong_to_the_axis_are_refused() {
         let message = error(change);
         assert!(message.contains(wanted) && !message.contains('\n'), "{message}\n{wanted}");
     }
+}
+
+/// A tolerance of its own takes the place of that of all mechanical values; a setting of the controller is exact without one.
+#[test]
+fn a_value_has_its_own_tolerance_or_that_of_all() {
+    let text = MACHINE.replacen(
+        "[[axis.y.effect]]",
+        "[axis.y.tolerance_percent]\ncoulomb_n = 2.5\n\n[[axis.y.effect]]",
+        1,
+    );
+    let machine = Machine::parse(&text, "m.toml").unwrap();
+    assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
+    let settings = &machine.axis["y"].settings;
+    let tolerances =
+        ["coulomb_n", "stiffness_n_per_um", "position_gain_per_s"].map(|key| settings.tolerance(key));
+    let differences = [tolerances[0] - 0.025, tolerances[1] - 0.1, tolerances[2]];
+    assert!(differences.iter().all(|difference| difference.abs() < 1e-12), "{tolerances:?}");
+    assert_eq!(settings.clone().without_tolerances().tolerance("coulomb_n").to_bits(), 0.0_f64.to_bits());
+    let refused = |line: &str| {
+        let text = MACHINE.replacen(
+            "[[axis.y.effect]]",
+            &format!("[axis.y.tolerance_percent]\n{line}\n\n[[axis.y.effect]]"),
+            1,
+        );
+        Machine::parse(&text, "m.toml").unwrap_err().to_string()
+    };
+    assert!(
+        refused("coulomb_n = 101")
+            .contains("axis.y.tolerance_percent.coulomb_n: expected a number from 0 to 100, found 101")
+    );
+    let absent = "axis.y.tolerance_percent.motor_coulomb_n: expected no such key, as motor_coulomb_n is not given, found 5.0";
+    assert!(refused("motor_coulomb_n = 5.0").contains(absent), "{}", refused("motor_coulomb_n = 5.0"));
 }

@@ -79,7 +79,7 @@ impl AxisModel {
                     Some(declared) => {
                         let centre = declared[j].value;
                         let most = MAX_TOLERANCES * self.tolerance() * centre.abs();
-                        self.tolerated(coordinate, centre, [centre - most, centre + most])
+                        self.tolerated(coordinate, (centre, self.tolerance()), [centre - most, centre + most])
                     }
                 });
             }
@@ -97,8 +97,9 @@ impl AxisModel {
         let value = (key.get)(&self.axis.settings).unwrap_or(centre);
         let range = self.range(key, centre);
         let coordinate = Coordinate::signed(value, 0.01 * centre, f64::INFINITY);
-        let mut parameter = self.tolerated(coordinate, centre, range);
-        if let (Mechanics::MotorMass, Some([pinned_kg, half_width_kg])) = (mechanics, self.pinned_mass_kg) {
+        let mut parameter = self.tolerated(coordinate, (centre, self.tolerance_of(key)), range);
+        let pinned = self.pinned_mass_kg.filter(|_| !key.is_of_controller);
+        if let (Mechanics::MotorMass, Some([pinned_kg, half_width_kg])) = (mechanics, pinned) {
             let trim = half_width_kg.max(self.options.mass_trim * self.nominal_mass_kg());
             let Coordinate { lower, upper, .. } = parameter.coordinate;
             parameter.coordinate.lower = lower.max(pinned_kg - trim);
@@ -139,19 +140,28 @@ impl AxisModel {
         self.trims.coordinates(&scope.stages, &self.axis, self.rates, &self.options)
     }
 
-    /// Declared keys that a scope fits, with their nominal values. The first is the mass of the motor or, if a rigid axis
-    /// declares only one mass, that mass.
+    /// Declared keys that a scope fits, with their nominal values: those of the mechanics, then the settings of the controller, which
+    /// the motor stage shows. The first is the mass of the motor or, if a rigid axis declares only one mass, that mass.
     pub(super) fn adjustable(&self, scope: &Scope) -> impl Iterator<Item = (&'static Tolerated, f64)> {
-        self.tolerated_keys().take(match scope.mechanics {
+        let mechanics = self.tolerated_keys().filter(|(key, _)| !key.is_of_controller);
+        let settings = self.tolerated_keys().filter(|(key, _)| key.is_of_controller);
+        let shows_controller = scope.stages.contains(&Stage::Motor);
+        let mechanics = mechanics.take(match scope.mechanics {
             Mechanics::All | Mechanics::Values => TOLERATED.len(),
             Mechanics::MotorMass => 1,
             Mechanics::None => 0,
-        })
+        });
+        mechanics.chain(settings.filter(move |_| shows_controller))
     }
 
-    /// A coordinate bounded by a range, with a normal prior about its nominal value.
-    fn tolerated(&self, coordinate: Coordinate, nominal: f64, [least, most]: [f64; 2]) -> FreeParameter {
-        let spread = self.options.prior * self.tolerance() * nominal.abs();
+    /// A coordinate bounded by a range, with a normal prior about its nominal value, by its relative tolerance.
+    fn tolerated(
+        &self,
+        coordinate: Coordinate,
+        (nominal, tolerance): (f64, f64),
+        [least, most]: [f64; 2],
+    ) -> FreeParameter {
+        let spread = self.options.prior * tolerance * nominal.abs();
         let bounded = Coordinate {
             lower: coordinate.lower.max(least).min(nominal),
             upper: coordinate.upper.min(most).max(nominal),

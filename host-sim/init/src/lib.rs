@@ -1,0 +1,62 @@
+//! A machine file from logs.
+//!
+//! Whoever has a log and does not know masses, stiffness or gains gets a first machine file: the values that the logs show, each with
+//! its interval as a tolerance, within which a trace moves it. What the user knows ([`known`]) stays as declared.
+//!
+//! 1. [`rough`]: first values by linear regressions: [`mechanics`] from force, motor and table, the loops from command, motor and
+//!    force ([`control_loop`]) or without a force ([`velocity_loop`]).
+//! 2. [`refine`]: the fit of the tracer, from these values, for each form of the loops; the form that leaves least is kept.
+//! 3. [`shown`]: what the logs do not determine is left unknown. [`period`]: an error that repeats over the position, if the
+//!    lead is not known.
+//! 4. [`written`]: the file with a comment for each value.
+//!
+//! What logs cannot show stays unknown: the lead of a screw, limits, and with one channel missing what only that shows.
+
+pub mod control_loop;
+pub mod direction;
+pub mod known;
+pub mod mechanics;
+pub mod period;
+pub mod refine;
+pub mod regression;
+pub mod rough;
+pub mod shown;
+pub mod velocity_loop;
+pub mod written;
+
+use files::error::InputError;
+use files::log::Log;
+use indexmap::IndexMap;
+use model::axis::Settings;
+use model::machine::{Axis, Machine};
+
+pub use refine::{Initial, machine};
+
+/// A machine of which nothing is known but the axes and the rate of its logs.
+///
+/// # Errors
+/// If there is no log, or none with an axis.
+pub fn unknown(name: &str, logs: &[Log]) -> Result<Machine, InputError> {
+    let mut axes: IndexMap<String, Axis> = IndexMap::new();
+    for axis in logs.iter().flat_map(|log| &log.axes) {
+        axes.entry(axis.name.clone())
+            .or_insert_with(|| Axis { settings: Settings::default(), ..Axis::default() });
+    }
+    let Some(log) = logs.first().filter(|_| !axes.is_empty()) else {
+        return Err(InputError::expected("--log", "a log with the channels of an axis", "none".to_owned()));
+    };
+    Ok(Machine {
+        name: name.to_owned(),
+        sample_rate_hz: rounded(1.0 / log.sample_time_s),
+        velocity_loop_rate_hz: None,
+        instruments: None,
+        axis: axes,
+        structure: None,
+    })
+}
+
+/// A value with six significant digits, more than any log determines.
+#[must_use]
+pub fn rounded(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}

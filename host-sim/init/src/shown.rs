@@ -1,0 +1,105 @@
+//! Which values the logs show. The others are left unknown: a value that is not determined is worse than none.
+
+use model::axis::Settings;
+use model::effects::Stage;
+use trace::input::signals::AxisSignals;
+use trace::outcome::AxisTrace;
+use trace::validation::declared_value::DeclaredValue;
+
+use crate::mechanics::MOST_LEFT;
+use crate::rough::Rough;
+
+/// Part of the following error that the model of a loop may leave. One that leaves more is the model of another loop.
+const MOST_OF_FOLLOWING: f64 = 0.2;
+
+/// Half width of an interval, relative, from which a value is not determined.
+const WIDEST: f64 = 0.3;
+
+/// Velocity feed-forward below which there is none, percent.
+const LEAST_FEEDFORWARD: f64 = 1.0;
+
+/// Values that only the stretch between motor and table divides.
+const OF_DIVISION: [&str; 3] = ["motor_mass_kg", "table_mass_kg", "stiffness_n_per_um"];
+
+/// Standard deviations of what the stages have to describe, over all logs; 0 without the channels.
+#[derive(Clone, Copy, Debug)]
+pub struct Spread {
+    /// Command − motor, µm.
+    following_um: f64,
+    /// Force, N.
+    force_n: f64,
+}
+
+impl Spread {
+    /// The spread of an axis.
+    #[must_use]
+    pub fn of(logs: &[&AxisSignals]) -> Self {
+        let deviation = |values: Vec<f64>| numerics::mean_and_deviation(&values).1;
+        let following = |log: &&AxisSignals| {
+            let (command, motor) = log.command.as_ref().zip(log.motor.as_ref())?;
+            Some(
+                1e6 * deviation(
+                    command.iter().zip(&motor.raw).map(|(command, motor)| command - motor).collect(),
+                ),
+            )
+        };
+        let force = |log: &&AxisSignals| Some(deviation(log.force.as_ref()?.raw.clone()));
+        Self {
+            following_um: numerics::rms(logs.iter().filter_map(following)),
+            force_n: numerics::rms(logs.iter().filter_map(force)),
+        }
+    }
+}
+
+/// Leaves the values unknown that the fit of an axis does not determine; one sentence for each.
+#[must_use]
+pub fn keep_shown(
+    rough: &mut Rough,
+    axis: &AxisTrace,
+    declared: &Settings,
+    spread: Spread,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    let name = &axis.axis;
+    let part = |stage: Stage, of: f64| axis.residual(stage).map_or(0.0, |residual| residual.after.fit / of);
+    let of_force = part(Stage::Force, spread.force_n);
+    if of_force > MOST_LEFT {
+        rough.forget_mechanics(declared);
+        let percent = 100.0 * of_force;
+        return vec![format!(
+            "{name}: masses and friction are left unknown, as they leave {percent:.0} % of the force: something else moves this axis."
+        )];
+    }
+    let of_following = part(Stage::Motor, spread.following_um);
+    if of_following > MOST_OF_FOLLOWING {
+        rough.forget_loops(declared);
+        let percent = 100.0 * of_following;
+        notes.push(format!(
+            "{name}: the loops are left unknown, as their model leaves {percent:.0} % of the following error."
+        ));
+    }
+    let is_wide =
+        |value: &&DeclaredValue| value.half_width > WIDEST * value.fitted && !value.is_poorly_determined;
+    let wide: Vec<&str> = axis.declared_values.iter().filter(is_wide).map(|value| value.key).collect();
+    let is_elastic = rough.settings.mechanics.stiffness_n_per_um.is_some();
+    if is_elastic && wide.iter().any(|key| OF_DIVISION.contains(key)) {
+        rough.make_rigid();
+        notes.push(format!(
+            "{name}: one mass, as the logs do not show how it is divided between motor and table."
+        ));
+    } else {
+        for key in wide {
+            rough.forget_value(key);
+            notes.push(format!("{name}: {key} is left unknown, as the logs do not determine it."));
+        }
+    }
+    // Friction yields over its size divided by the stiffness: without the one there is no other.
+    if rough.settings.mechanics.coulomb_n.is_none() {
+        rough.forget_value("presliding_stiffness_n_per_um");
+        rough.forget_value("presliding_damping_n_s_per_m");
+    }
+    if rough.settings.controller.feedforward_percent.is_some_and(|percent| percent < LEAST_FEEDFORWARD) {
+        rough.forget_value("feedforward_percent");
+    }
+    notes
+}

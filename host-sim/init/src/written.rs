@@ -1,0 +1,85 @@
+//! The machine file with a comment for each value, and what is said on the terminal.
+
+use model::axis::Drive;
+use model::machine::Axis;
+
+use crate::refine::{Initial, Value};
+use crate::rough::Origin;
+
+/// The text of the file, from the names of the logs.
+#[must_use]
+pub fn file(initial: &Initial, logs: &[String]) -> String {
+    let mut text = format!(
+        "# Written by `lost-motion init` from {}.\n# A value without a comment is as declared. The tolerances are the intervals of the fit with a margin: a trace \
+         moves\n# the values within them. What is not in this file is unknown.\n",
+        logs.join(", ")
+    );
+    let mut axis = String::new();
+    for line in initial.machine.to_toml().lines() {
+        if let Some(table) = line.strip_prefix("[axis.").and_then(|rest| rest.strip_suffix(']')) {
+            table.clone_into(&mut axis);
+        }
+        let key = line.split_once(" = ").map(|(key, _)| key);
+        let value = initial.values.iter().find(|((name, own), _)| *name == axis && Some(*own) == key);
+        text += line;
+        if let Some((_, value)) = value {
+            text += &comment(value);
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// The end of a line of the file.
+fn comment(value: &Value) -> String {
+    match value.origin {
+        Origin::Known => String::new(),
+        Origin::Logs => format!("  # {}", from_logs(value)),
+        Origin::Usual => "  # usual value: these logs hardly show it".to_owned(),
+    }
+}
+
+fn from_logs(value: &Value) -> String {
+    value.half_width.map_or("from the logs".to_owned(), |half_width| {
+        format!("± {:.2} % from the logs", 100.0 * half_width)
+    })
+}
+
+/// What was found and what stays unknown: a sentence for each axis, then its values.
+#[must_use]
+pub fn summary(initial: &Initial) -> String {
+    let mut text = String::new();
+    for (name, axis) in &initial.machine.axis {
+        text += &format!("{name}: {}.\n", drive(axis));
+        for ((_, key), value) in initial.values.iter().filter(|((own, _), _)| own == name) {
+            let tolerated = model::machine::nominal::TOLERATED.iter().find(|tolerated| tolerated.key == *key);
+            let Some(number) = tolerated.and_then(|tolerated| (tolerated.get)(&axis.settings)) else {
+                continue;
+            };
+            let origin = match value.origin {
+                Origin::Known => "declared".to_owned(),
+                Origin::Logs => from_logs(value),
+                Origin::Usual => "usual value: the logs hardly show it".to_owned(),
+            };
+            text += &format!("  {key:<30} {number:>12}  {origin}\n");
+        }
+    }
+    for note in &initial.notes {
+        text += &format!("{note}\n");
+    }
+    text
+}
+
+/// The drive and its loops in words.
+fn drive(axis: &Axis) -> String {
+    let controller = &axis.settings.controller;
+    let closed = format!("closed by {}", axis.settings.sensors.feedback.word());
+    match (controller.drive, controller.law) {
+        (Drive::Torque, Some(law)) => {
+            format!("drive with a force command, {} position loop {closed}", law.word())
+        }
+        (Drive::Torque, None) => "drive with a force command, the loops are not known".to_owned(),
+        (Drive::Velocity, _) => format!("drive with a velocity command, position loop {closed}"),
+        (Drive::Stepper, _) => "stepper motor without a loop".to_owned(),
+    }
+}
