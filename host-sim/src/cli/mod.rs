@@ -17,6 +17,7 @@ mod logs;
 mod margins;
 mod outputs;
 mod progress;
+mod reading;
 mod record;
 mod reproduce;
 mod self_test;
@@ -33,7 +34,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use files::error::InputError;
+use files::error::{InputError, printable};
 use stop::Stopped;
 
 /// Identifies effects of a machine that are missing from its declared model.
@@ -108,7 +109,7 @@ pub fn run() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("lost-motion: {error:#}");
+            eprintln!("lost-motion: {}", printable(&format!("{error:#}")));
             ExitCode::from(match error {
                 error if error.is::<InputError>() => 2,
                 error if error.is::<Stopped>() => stop::EXIT_CODE,
