@@ -184,8 +184,8 @@ fn a_query_of_a_board_that_is_not_built_compiles_nothing() {
     std::fs::set_permissions(path("cargo"), std::fs::Permissions::from_mode(0o755)).unwrap();
     let program = tests::program::lost_motion();
     // A link where both are on one file system, which is sooner done.
-    std::fs::hard_link(&program, path("lost-motion"))
-        .or_else(|_| std::fs::copy(&program, path("lost-motion")).map(drop))
+    std::fs::hard_link(program, path("lost-motion"))
+        .or_else(|_| std::fs::copy(program, path("lost-motion")).map(drop))
         .unwrap();
     for command in [
         "board status --port bench",
