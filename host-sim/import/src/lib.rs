@@ -27,6 +27,7 @@ pub mod format;
 pub mod groups;
 pub mod integral;
 pub mod matlab;
+pub mod mcap_chunks;
 pub mod mcap_messages;
 pub mod numbers;
 pub mod numpy;
