@@ -7,6 +7,7 @@
 #   tests/deep.sh properties [SEEDS]   the property tests with this many new seeds (100): the usual run has a fixed one
 #   tests/deep.sh bits                 a million ticks of random motions, host against emulated core, fixed point and f32
 #   tests/deep.sh fuzz [SECONDS]       fuzzing of link, lock-step protocol and readers of foreign logs (600), with cargo-fuzz
+#   tests/deep.sh fleet                tools/fleet.py on a local cluster, with and without killed workers: docs/fleet.md
 #
 # A PART is a module of shared/src: control, drive, feedback, safety, monitor, machine, lockstep unless named; link,
 # homing, storage, capture, compensate and others by name; also a file of one, as machine/reference. A file that is done is
@@ -167,12 +168,31 @@ fuzz() {
   done
 }
 
+# The traces of many machines by Dask, in an environment of its own.
+fleet() {
+  local python=$work/fleet/bin/python program=$PWD/target/release/lost-motion part
+  mkdir -p "$work"
+  [ -x "$python" ] || python3 -m venv "$work/fleet"
+  "$python" -c 'import distributed, pyarrow' 2>/dev/null ||
+    "$work/fleet/bin/pip" install --quiet 'dask==2026.8.0' 'distributed==2026.8.0' 'pyarrow==26.0.1'
+  cargo build --release --bin lost-motion
+  for part in refused kills cases; do
+    step "fleet $part"
+    if [ "$part" = cases ] && [ ! -d "${LOST_MOTION_DATA:-}/cases" ]; then
+      echo "SKIPPED: LOST_MOTION_DATA names no folder with cases" >&2
+    else
+      "$python" tests/fleet.py "$program" "$part"
+    fi
+  done
+}
+
 case ${1:-all} in
 all)
   properties 100
   bits
   sweep 20
   fuzz 600
+  fleet
   mutants "${parts[@]}"
   step "Miri"
   tests/miri.sh
@@ -198,8 +218,11 @@ sweep)
 fuzz)
   fuzz "${2:-600}"
   ;;
+fleet)
+  fleet
+  ;;
 *)
-  echo "$1: expected mutants, miri, properties, bits, sweep or fuzz" >&2
+  echo "$1: expected mutants, miri, properties, bits, sweep, fuzz or fleet" >&2
   exit 2
   ;;
 esac

@@ -55,10 +55,10 @@ struct Reading {
     direction: Option<f64>,
 }
 
-/// Whether a table is one of radii, and no log.
+/// Whether a table with these columns is one of radii, and no log.
 #[must_use]
-pub fn is_radius_table(table: &Table<'_>) -> bool {
-    table.names().iter().any(|name| name == "radius_mm" || name == "radius_um")
+pub fn is_radius_table(names: &[String]) -> bool {
+    names.iter().any(|name| name == "radius_mm" || name == "radius_um")
 }
 
 impl Columns {

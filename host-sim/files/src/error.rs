@@ -30,7 +30,7 @@ impl InputError {
     /// An error with its own message.
     #[must_use]
     pub fn new(file: &str, problem: impl Into<String>) -> Self {
-        Self { file: file.to_owned(), line: None, key: None, problem: one_line(&problem.into()) }
+        Self { file: file.to_owned(), line: None, key: None, problem: in_one_line(&problem.into()) }
     }
 
     /// The error of a file that cannot be opened or read.
@@ -42,7 +42,7 @@ impl InputError {
     /// This error with what to do about it, in brackets.
     #[must_use]
     pub fn with_advice(self, advice: &str) -> Self {
-        Self { problem: format!("{} ({})", self.problem, one_line(advice)), ..self }
+        Self { problem: format!("{} ({})", self.problem, in_one_line(advice)), ..self }
     }
 
     /// This error at a line of the file, counted from 1.
@@ -54,7 +54,7 @@ impl InputError {
     /// This error at a key (`axis.x.lead_mm`) or a column (`x_motor_mm`).
     #[must_use]
     pub fn at_key(self, key: &str) -> Self {
-        Self { key: Some(one_line(key)), ..self }
+        Self { key: Some(in_one_line(key)), ..self }
     }
 }
 
@@ -81,9 +81,23 @@ pub fn line_at(text: &[u8], offset: usize) -> usize {
 }
 
 /// Replaces each run of white space, line ends included, by one space, and control characters by `?`.
-fn one_line(text: &str) -> String {
+#[must_use]
+pub fn in_one_line(text: &str) -> String {
     let words: Vec<&str> = text.split_whitespace().collect();
-    words.join(" ").replace(char::is_control, "?")
+    words.join(" ").replace(is_invisible, "?")
+}
+
+/// A text for a terminal: control characters but line ends and tabs, and characters that turn the direction of the text or are not
+/// visible, are replaced by `?`. A name in a file may contain any.
+#[must_use]
+pub fn printable(text: &str) -> String {
+    text.replace(|c: char| is_invisible(c) && !matches!(c, '\n' | '\t'), "?")
+}
+
+/// Whether a character controls a terminal or the direction of a text.
+fn is_invisible(c: char) -> bool {
+    c.is_control()
+        || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
 }
 
 /// A file name. Spaces are kept, so that the name can be copied; control characters are replaced by `?`.
@@ -91,7 +105,7 @@ struct FileName<'a>(&'a str);
 
 impl Display for FileName<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0.replace(char::is_control, "?"))
+        f.write_str(&self.0.replace(is_invisible, "?"))
     }
 }
 
@@ -139,6 +153,11 @@ mod tests {
     fn messages_contain_no_line_ends_and_no_control_characters() {
         let error = InputError::new("a\nb.csv", "one\n  | two\r\n\u{1b}[31m").at_key("k\ney");
         assert_eq!(error.to_string(), "a?b.csv: k ey: one | two ?[31m");
+    }
+
+    #[test]
+    fn a_text_for_a_terminal_keeps_its_lines_alone() {
+        assert_eq!(printable("a\tb\n\u{1b}[2J\r\u{9b}c\u{202e}µ"), "a\tb\n?[2J??c?µ");
     }
 
     #[test]

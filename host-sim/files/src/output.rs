@@ -8,6 +8,8 @@ use std::sync::{Mutex, PoisonError};
 use tempfile::{Builder, NamedTempFile};
 use thiserror::Error;
 
+use crate::leftovers;
+
 /// Why a folder is refused in the place of a file.
 const IS_FOLDER: &str = "expected a file, found a folder";
 
@@ -145,10 +147,14 @@ fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> 
 /// A temporary file in the folder of `path`, so that renaming does not cross file systems.
 fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
     let folder = existing_folder_of(path)?;
+    leftovers::remove_in(folder);
+    let prefix = leftovers::prefix();
     let mut builder = Builder::new();
-    builder.prefix(".lost-motion-");
+    builder.prefix(&prefix);
     set_permissions(&mut builder);
-    builder.tempfile_in(folder)
+    let temporary = builder.tempfile_in(folder)?;
+    leftovers::mark(temporary.as_file());
+    Ok(temporary)
 }
 
 /// Sets the permissions of new files, which the umask reduces. The default of temporary files is private.

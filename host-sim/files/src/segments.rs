@@ -44,6 +44,14 @@ impl<R: Read> Read for Unpacked<R> {
     }
 }
 
+/// The error of an input that was opened and cannot be read on; a broken gzip file says so itself.
+pub(crate) fn unreadable(source: &str, cause: &io::Error) -> InputError {
+    if cause.kind() == io::ErrorKind::Other {
+        return InputError::new(source, cause.to_string());
+    }
+    InputError::unreadable(source, cause)
+}
+
 /// The segments of a text, without the byte order mark.
 pub struct Segments<'a> {
     source: &'a str,
@@ -70,7 +78,7 @@ impl<'a> Segments<'a> {
         loop {
             let wanted = SEGMENT as u64;
             let read = self.input.by_ref().take(wanted).read_to_end(&mut text);
-            let read = read.map_err(|cause| self.unreadable(&cause))?;
+            let read = read.map_err(|cause| unreadable(self.source, &cause))?;
             self.check(&text, read < SEGMENT)?;
             if read < SEGMENT {
                 break;
@@ -89,13 +97,6 @@ impl<'a> Segments<'a> {
             text.drain(..BYTE_ORDER_MARK.len());
         }
         Ok(Some(text))
-    }
-
-    fn unreadable(&self, cause: &io::Error) -> InputError {
-        if cause.kind() == io::ErrorKind::Other {
-            return InputError::new(self.source, cause.to_string());
-        }
-        InputError::unreadable(self.source, cause)
     }
 
     /// Checks that bytes are UTF-8; the last character may be incomplete unless they are the end of the text.

@@ -42,7 +42,7 @@ impl<'a> Table<'a> {
     /// # Errors
     /// If the file cannot be read, is an incomplete gzip file, is not UTF-8, or is empty.
     pub fn open(path: &Path, source: &'a str) -> Result<Self, InputError> {
-        Self::new(open(path, source)?, source)
+        Self::of_input(open(path, source)?, source)
     }
 
     /// Reads the header; `source` is the file name for error messages.
@@ -50,10 +50,14 @@ impl<'a> Table<'a> {
     /// # Errors
     /// If the bytes are not UTF-8, or the text is empty.
     pub fn parse(bytes: &'a [u8], source: &'a str) -> Result<Self, InputError> {
-        Self::new(Box::new(bytes), source)
+        Self::of_input(Box::new(bytes), source)
     }
 
-    fn new(input: Box<dyn Read + 'a>, source: &'a str) -> Result<Self, InputError> {
+    /// Reads the header of an opened input; `source` is the file name for error messages.
+    ///
+    /// # Errors
+    /// As [`Table::open`], except that the input is already unpacked.
+    pub fn of_input(input: Box<dyn Read + 'a>, source: &'a str) -> Result<Self, InputError> {
         let mut segments = Segments::new(input, source);
         let Some(first) = segments.next_segment()?.filter(|text| !text.trim_ascii().is_empty()) else {
             return Err(InputError::expected(source, "a header line", "an empty file"));

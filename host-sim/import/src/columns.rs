@@ -1,7 +1,7 @@
 //! Which column is which channel.
 
 use files::error::{InputError, quoted};
-use files::log::{ALLOWED, AxisLog, Channel, Unit, channel_of};
+use files::log::{ALLOWED, AxisLog, Channel, TIME, Unit, channel_of};
 
 use crate::conversion::{Conversion, Units};
 use crate::format::Format;
@@ -9,11 +9,8 @@ use crate::request::{Mapping, Request};
 use crate::table::{ForeignColumn, ForeignTable};
 use crate::unit::Quantity;
 
-/// Our name of the column of times.
-pub const TIME: &str = "time_s";
-
 /// Names of columns of times that need no mapping.
-const TIME_NAMES: [&str; 6] = [TIME, "time", "t", "timestamp", "zeit", "temps"];
+pub(crate) const TIME_NAMES: [&str; 6] = [TIME, "time", "t", "timestamp", "zeit", "temps"];
 
 /// Least likeness of two names of which one may be a misspelling of the other.
 const LIKENESS: f64 = 0.8;
@@ -96,7 +93,11 @@ pub fn choose(
     if chosen.channels.is_empty() {
         let found =
             format!("the columns {}", listed(table.columns.iter().map(|column| column.name.as_str())));
-        let expected = "--map OURS=THEIRS for at least one channel, such as --map x_command_mm=THEIRS";
+        let expected = if has_circle(table) {
+            "--map OURS=THEIRS for at least one channel, or --map angle_deg=THEIRS and --map radius_mm=THEIRS (or radius_um) of a ballbar"
+        } else {
+            "--map OURS=THEIRS for at least one channel, such as --map x_command_mm=THEIRS"
+        };
         return Err(table.at_header(InputError::expected(source, expected, found)));
     }
     note_ignored(table, &named, &chosen, notes);
@@ -131,7 +132,7 @@ fn named(table: &ForeignTable, request: &Request, source: &str) -> Result<Vec<(S
 }
 
 /// The column that the user names: exactly, or regardless of case and unit.
-fn position(table: &ForeignTable, theirs: &str, source: &str) -> Result<usize, InputError> {
+pub(crate) fn position(table: &ForeignTable, theirs: &str, source: &str) -> Result<usize, InputError> {
     let find = |is: &dyn Fn(&ForeignColumn) -> bool| table.columns.iter().position(is);
     let (name, _) = crate::unit::split(theirs);
     let found = find(&|column| column.name == theirs)
@@ -190,6 +191,15 @@ fn note_ignored(table: &ForeignTable, named: &[(String, usize)], chosen: &Chosen
     if !names.is_empty() {
         notes.push(format!("not used: {}", listed(names.into_iter())));
     }
+}
+
+/// Whether columns look like those of a ballbar: a radius or its deviation, and an angle.
+fn has_circle(table: &ForeignTable) -> bool {
+    let has = |words: &[&str]| {
+        let mut names = table.columns.iter().map(|column| column.name.to_lowercase());
+        names.any(|name| words.iter().any(|word| name.contains(word)))
+    };
+    has(&["radius", "deviation", "abweichung"]) && has(&["angle", "winkel"])
 }
 
 /// Names in quotes; of many, the first.

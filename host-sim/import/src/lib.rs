@@ -6,15 +6,18 @@
 //!   [`dialect`], [`twincat`], [`matlab`], [`numpy`], [`parquet_table`], [`mcap_messages`]
 //! - [`columns`]: by the [`request`] of the user, which column is which channel, with the
 //!   [`conversion`] of its [`unit`](mod@unit)
+//! - [`ballbar`]: or the columns of a table of radii, which is no log
 //! - [`groups`]: columns of several clocks as rows of one
 //! - [`clock`]: the times of a uniform clock; lost, repeated and late rows are counted and bridged; a velocity becomes its
 //!   [`integral`]
 //!
-//! [`save`] writes a log as CSV, Parquet or MCAP.
+//! [`any_log`] reads our own logs as well, as every command does that takes a log. [`save`] writes a log as CSV, Parquet or MCAP.
 //!
 //! Nothing is invented: a channel that is not mapped is not in the log, and a time that neither the file nor the user gives is asked for.
 
+pub mod any_log;
 pub mod arrays;
+pub mod ballbar;
 pub mod budget;
 pub mod clock;
 pub mod columns;
@@ -24,6 +27,7 @@ pub mod format;
 pub mod groups;
 pub mod integral;
 pub mod matlab;
+pub mod mcap_chunks;
 pub mod mcap_messages;
 pub mod numbers;
 pub mod numpy;
@@ -39,6 +43,7 @@ pub mod unit;
 
 use std::path::Path;
 
+use ballbar::BallbarTable;
 use files::error::InputError;
 use files::log::Log;
 
@@ -53,33 +58,49 @@ pub struct Imported {
     pub notes: Vec<String>,
 }
 
+/// What a foreign file is.
+#[derive(Clone, Debug)]
+pub enum Foreign {
+    /// A log.
+    Log(Imported),
+    /// A table of radii.
+    Ballbar(BallbarTable),
+}
+
 /// Reads a foreign file; `-` is standard input, and gzip is recognised.
 ///
 /// # Errors
 /// If the file cannot be read, has no table of numbers, or lacks a column or a time that was asked for.
-pub fn import(path: &Path, request: &Request) -> Result<Imported, InputError> {
+pub fn import(path: &Path, request: &Request) -> Result<Foreign, InputError> {
     let source = path.display().to_string();
-    of_bytes(&text::read(path, &source)?, &source, request)
+    foreign(&text::read(path, &source)?, &source, request)
 }
 
-/// Whether a file has the name of a binary format, which no log of our own is.
-#[must_use]
-pub fn is_binary(path: &Path) -> bool {
-    let extensions = ["mat", "npy", "npz", "parquet", "mcap"];
-    path.extension().is_some_and(|own| extensions.iter().any(|other| own.eq_ignore_ascii_case(other)))
-}
-
-/// Reads a foreign file from its bytes; `source` is its name for messages.
+/// Reads a foreign log or table of radii from its bytes; `source` is its name for messages.
 ///
 /// # Errors
 /// As [`import`].
-pub fn of_bytes(bytes: &[u8], source: &str, request: &Request) -> Result<Imported, InputError> {
+pub fn foreign(bytes: &[u8], source: &str, request: &Request) -> Result<Foreign, InputError> {
     let mut notes = Vec::new();
     let mut table = read::table(bytes, request.preset, source, &mut notes)?;
+    if ballbar::is_asked(&table, request) {
+        return Ok(Foreign::Ballbar(ballbar::of(&table, request, source, notes)?));
+    }
     let mut chosen = columns::choose(&table, request, source, &mut notes)?;
     groups::join(&mut table, &mut chosen, source, &mut notes)?;
     let log = clock::uniform(&table, chosen, request.rate_hz, source, &mut notes)?;
-    Ok(Imported { log, notes })
+    Ok(Foreign::Log(Imported { log, notes }))
+}
+
+/// Reads a foreign log from its bytes; `source` is its name for messages.
+///
+/// # Errors
+/// As [`import`], and a table of radii, which is no log.
+pub fn of_bytes(bytes: &[u8], source: &str, request: &Request) -> Result<Imported, InputError> {
+    match foreign(bytes, source, request)? {
+        Foreign::Log(imported) => Ok(imported),
+        Foreign::Ballbar(_) => Err(ballbar::no_log(source)),
+    }
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ use mcap::sans_io::linear_reader::LinearReaderOptions;
 use serde_json::Value;
 
 use crate::budget::Budget;
+use crate::mcap_chunks;
 use crate::table::ForeignColumn;
 
 /// Greatest length of a record, bytes; writers close a chunk after a few million.
@@ -34,6 +35,7 @@ pub fn columns(
     source: &str,
     notes: &mut Vec<String>,
 ) -> Result<Vec<ForeignColumn>, InputError> {
+    mcap_chunks::check(bytes, source)?;
     let options = LinearReaderOptions::default().with_record_length_limit(MOST_RECORD);
     let mut topics: IndexMap<String, Topic> = IndexMap::new();
     let mut others: BTreeMap<String, (String, usize)> = BTreeMap::new();

@@ -4,6 +4,7 @@ use files::error::InputError;
 
 use crate::arrays;
 use crate::budget::Budget;
+use crate::dialect::Dialect;
 use crate::format::Format;
 use crate::table::{ForeignColumn, ForeignTable};
 use crate::{matlab, mcap_messages, numpy, parquet_table, separated, text, twincat};
@@ -30,6 +31,16 @@ pub fn table(
         _ => return of_text(&text::decode(bytes, source, notes)?, preset, source, notes),
     };
     binary(format.unwrap_or(Format::Text), preset, columns, source, notes)
+}
+
+/// Whether bytes may be a table: a binary file of a known format, or a text with a row of numbers.
+#[must_use]
+pub fn may_be_table(bytes: &[u8]) -> bool {
+    let has_rows = |text: String| {
+        let lines: Vec<&str> = text.lines().filter(|line| !line.trim().is_empty()).collect();
+        Dialect::of(&lines).is_some()
+    };
+    Format::of_binary(bytes).is_some() || text::decode(bytes, "", &mut Vec::new()).is_ok_and(has_rows)
 }
 
 /// The columns of a text.

@@ -17,6 +17,14 @@ pub struct Request {
     pub preset: Option<Format>,
 }
 
+impl Request {
+    /// Whether the user says nothing.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.mappings.is_empty() && self.units.is_empty() && self.rate_hz.is_none() && self.preset.is_none()
+    }
+}
+
 /// A channel and the column that holds it: `x_command_mm=X cmd`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mapping {

@@ -6,7 +6,7 @@ use std::io::{self, Cursor};
 use std::path::Path;
 use std::sync::Arc;
 
-use files::log::{Channel, Log};
+use files::log::{Channel, Log, TIME};
 use files::output::{OutputError, write_whole};
 use indexmap::IndexMap;
 use mcap::records::MessageHeader;
@@ -17,8 +17,6 @@ use parquet::errors::Result as ParquetResult;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
-
-use crate::columns::TIME;
 
 /// Topic of the messages of a log.
 const TOPIC: &str = "log";

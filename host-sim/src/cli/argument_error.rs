@@ -2,6 +2,7 @@
 
 use clap::Parser;
 use clap::error::{Error, ErrorKind};
+use files::error::printable;
 
 /// The arguments of the program. Ends it after `--help` or `--version` with 0, and after an error, or without a command, with 2.
 #[must_use]
@@ -36,5 +37,5 @@ fn in_one_line(error: &Error) -> String {
         words.join(" ")
     });
     let line = lines.collect::<Vec<_>>().join("; ");
-    format!("{}; see --help", line.trim_start_matches("error: "))
+    printable(&format!("{}; see --help", line.trim_start_matches("error: ")))
 }

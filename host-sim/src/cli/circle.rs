@@ -1,15 +1,21 @@
 //! `lost-motion circle`.
 
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
+use super::logs;
 use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
+use super::reading::ReadingArguments;
 use ::circle::measured::Measured;
 use ::circle::radius_table::{Nominal, is_radius_table};
 use ::circle::{analyse, json, text};
+use ::import::request::Request;
+use ::import::{Foreign, any_log};
 use files::error::{InputError, quoted};
+use files::head::Head;
 use files::log::Log;
 use files::table::Table;
 
@@ -17,7 +23,7 @@ use files::table::Table;
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Log with the command and a measured position of two axes, or a ballbar's table of `radius_mm` or `radius_um` over `angle_deg`
-    /// or `time_s` (CSV, .csv.gz, or - for stdin); two such tables, one for each direction.
+    /// or `time_s` (CSV, .csv.gz, or - for stdin), or either of another program, see below; two such tables, one for each direction.
     #[arg(required = true, num_args = 1..=2)]
     log: Vec<PathBuf>,
     /// Nominal radius of a ballbar's table.
@@ -35,6 +41,8 @@ pub struct Arguments {
     /// Write report.html into this folder.
     #[arg(long)]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    reading: ReadingArguments,
 }
 
 /// Runs the command.
@@ -63,29 +71,50 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     print(&output)
 }
 
+/// A log, or a table of radii.
+enum Input<'a> {
+    Log(Log),
+    Table(Box<Table<'a>>),
+}
+
 /// The circle of one log, or of one or two tables.
 fn read(arguments: &Arguments) -> Result<Measured, InputError> {
     let nominal = nominal(arguments)?;
+    let request = arguments.reading.request()?;
     let sources: Vec<String> = arguments.log.iter().map(|path| path.display().to_string()).collect();
-    let mut tables = Vec::new();
+    let (mut tables, mut log) = (Vec::new(), None);
     for (path, source) in arguments.log.iter().zip(&sources) {
-        tables.push((Table::open(path, source)?, source.clone()));
+        match input(path, source, &request)? {
+            Input::Table(table) => tables.push((*table, source.clone())),
+            Input::Log(_) if sources.len() > 1 => {
+                let expected = "one log, or two tables with radius_mm or radius_um";
+                return Err(InputError::expected(source, expected, "a log of two files"));
+            }
+            Input::Log(found) => log = Some(found),
+        }
     }
-    let is_log = |(table, _): &&(Table<'_>, String)| !is_radius_table(table);
-    match tables.iter().find(is_log) {
+    match log {
         None => Measured::of_radius_tables(tables, nominal),
-        Some((_, source)) if tables.len() > 1 => Err(InputError::expected(
-            source,
-            "one log, or two tables with radius_mm or radius_um",
-            "a log of two files",
-        )),
         Some(_) if nominal != Nominal::default() => {
             let expected = "a table with radius_mm or radius_um beside --radius, --feed or --start";
             Err(InputError::expected(&sources[0], expected, "a log"))
         }
-        Some(_) => {
-            let (table, source) = tables.remove(0);
-            Measured::of_log(&Log::of_table(table, &source)?)
+        Some(log) => Measured::of_log(&log),
+    }
+}
+
+/// Opens a file. What was assumed of a foreign one is told on stderr.
+fn input<'a>(path: &Path, source: &'a str, request: &Request) -> Result<Input<'a>, InputError> {
+    let head = Head::open(path, source)?;
+    if is_radius_table(&head.names()) {
+        return Ok(Input::Table(Box::new(Table::of_input(head.into_input(), source)?)));
+    }
+    match any_log::log_or_ballbar(head, source, request)? {
+        Foreign::Log(imported) => Ok(Input::Log(logs::told(imported))),
+        Foreign::Ballbar(table) => {
+            logs::tell(source, &table.notes);
+            let csv = Box::new(Cursor::new(table.csv()));
+            Ok(Input::Table(Box::new(Table::of_input(csv, source)?)))
         }
     }
 }

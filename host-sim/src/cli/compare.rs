@@ -44,7 +44,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let expected = format!("a number of hours above 0, at most {MAX_HOURS}");
         return Err(InputError::expected("--hours", expected, arguments.hours).into());
     }
-    check_outputs(&[], &[Output::File("--json", arguments.json.as_ref())])?;
+    let page = pages::file_in(arguments.report.as_ref());
+    check_outputs(
+        &[],
+        &[Output::File("--json", arguments.json.as_ref()), Output::InNewFolder("--report", page.as_ref())],
+    )?;
     let (emulator, not_counted) = emulator(arguments)?;
     let progress = Progress::start();
     let options = Options { hours: arguments.hours, emulator };

@@ -47,7 +47,11 @@ pub struct Arguments {
 /// # Errors
 /// If the simulated machine does not run, or an output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    check_outputs(&[], &[Output::File("--json", arguments.json.as_ref())])?;
+    let page = pages::file_in(Some(&arguments.report));
+    check_outputs(
+        &[],
+        &[Output::File("--json", arguments.json.as_ref()), Output::InNewFolder("--report", page.as_ref())],
+    )?;
     if let Some(count) = arguments.machines {
         return round_trips(arguments, count);
     }

@@ -1,13 +1,15 @@
 //! `lost-motion import`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
 use super::outputs::{Output, check_outputs, print};
-use ::import::format::Format;
-use ::import::request::{Mapping, Request, UnitOf};
-use files::error::{InputError, quoted};
+use super::reading::ReadingArguments;
+use ::import::budget::Budget;
+use ::import::{Foreign, ballbar, save};
+use files::error::{InputError, in_one_line, quoted};
+use files::head::Head;
 
 /// Arguments of `import`.
 #[derive(clap::Args)]
@@ -18,19 +20,8 @@ pub struct Arguments {
     /// Log to write: CSV, .csv.gz, .parquet or .mcap.
     #[arg(long)]
     out: PathBuf,
-    /// Column of a channel, `x_command_mm=X cmd`, or of the times, `time_s=THEIRS`. Without a header, columns are counted from 1; of a
-    /// matrix they are VARIABLE:1, VARIABLE:2, …
-    #[arg(long = "map", value_name = "OURS=THEIRS")]
-    mappings: Vec<Mapping>,
-    /// Unit of a column, if its header does not say it: `x_command_mm=inch`, `x_motor_mm=counts*0.0005`, `time_s=ms`.
-    #[arg(long = "unit", value_name = "OURS=UNIT")]
-    units: Vec<UnitOf>,
-    /// Samples per second, if the file has no times.
-    #[arg(long, value_name = "HZ")]
-    rate: Option<f64>,
-    /// Format of the file, if it is not to be recognised by content.
-    #[arg(long, value_name = "NAME")]
-    preset: Option<Format>,
+    #[command(flatten)]
+    reading: ReadingArguments,
 }
 
 /// Runs the command.
@@ -39,22 +30,34 @@ pub struct Arguments {
 /// A file that is no table, a column or a unit that it does not have, an output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     check_outputs(&[&arguments.file], &[Output::File("--out", Some(&arguments.out))])?;
-    if let Some(rate) = arguments.rate.filter(|rate| !(rate.is_finite() && *rate > 0.0)) {
-        return Err(InputError::expected(
-            "--rate",
-            "a number of samples per second",
-            quoted(&rate.to_string()),
-        )
-        .into());
+    let request = arguments.reading.request()?;
+    let source = arguments.file.display().to_string();
+    let head = Head::open(&arguments.file, &source)?;
+    if ballbar::is_own(&head.names()) {
+        let problem = "this table of a ballbar needs no import: lost-motion circle reads it (with --radius MM, if it has radius_um)";
+        return Err(InputError::new(&source, problem).into());
     }
-    let request = Request {
-        mappings: arguments.mappings.clone(),
-        units: arguments.units.clone(),
-        rate_hz: arguments.rate,
-        preset: arguments.preset,
+    let bytes = Budget::file().read(head.into_input(), &source)?;
+    let (what, notes) = match ::import::foreign(&bytes, &source, &request)? {
+        Foreign::Log(imported) => {
+            save::write(&imported.log, &arguments.out)?;
+            ("Log", imported.notes)
+        }
+        Foreign::Ballbar(table) => {
+            check_csv(&arguments.out)?;
+            table.write(&arguments.out)?;
+            ("For lost-motion circle", table.notes)
+        }
     };
-    let imported = ::import::import(&arguments.file, &request)?;
-    ::import::save::write(&imported.log, &arguments.out)?;
-    let notes: String = imported.notes.iter().map(|note| format!("{note}\n")).collect();
-    print(&format!("{notes}Log: {}", arguments.out.display()))
+    let notes: String = notes.iter().map(|note| format!("{}\n", in_one_line(note))).collect();
+    print(&format!("{notes}{what}: {}", arguments.out.display()))
+}
+
+/// Checks that the table of a ballbar is written as CSV, which `circle` reads.
+fn check_csv(out: &Path) -> Result<(), InputError> {
+    if out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv")) {
+        return Ok(());
+    }
+    let expected = "a name that ends in .csv, as the table of a ballbar is written";
+    Err(InputError::expected("--out", expected, quoted(&out.display().to_string())))
 }

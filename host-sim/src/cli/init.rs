@@ -7,6 +7,7 @@ use anyhow::Result;
 
 use super::outputs::{Output, check_outputs, print};
 use super::progress::Progress;
+use super::reading::ReadingArguments;
 use super::{logs, questions};
 use ::init::known::{self, Known};
 use files::output::write_whole;
@@ -28,6 +29,8 @@ pub struct Arguments {
     /// Machine file to write.
     #[arg(long)]
     out: PathBuf,
+    #[command(flatten)]
+    reading: ReadingArguments,
 }
 
 /// Runs the command.
@@ -37,7 +40,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let inputs: Vec<&Path> = arguments.logs.iter().chain(&arguments.machine).map(PathBuf::as_path).collect();
     check_outputs(&inputs, &[Output::File("--out", Some(&arguments.out))])?;
-    let logs = logs::read(&arguments.logs)?;
+    let logs = logs::read(&arguments.logs, &arguments.reading.request()?)?;
     let declared = match &arguments.machine {
         Some(path) => Machine::read(path)?,
         None => ::init::unknown("machine", &logs)?,

@@ -19,6 +19,7 @@ mod margins;
 mod outputs;
 mod progress;
 mod questions;
+mod reading;
 mod record;
 mod reproduce;
 mod self_test;
@@ -35,7 +36,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use files::error::InputError;
+use files::error::{InputError, printable};
 use stop::Stopped;
 
 /// Identifies effects of a machine that are missing from its declared model.
@@ -113,7 +114,7 @@ pub fn run() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("lost-motion: {error:#}");
+            eprintln!("lost-motion: {}", printable(&format!("{error:#}")));
             ExitCode::from(match error {
                 error if error.is::<InputError>() => 2,
                 error if error.is::<Stopped>() => stop::EXIT_CODE,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use files::error::{InputError, quoted};
+use files::error::{InputError, printable, quoted};
 use files::output::{check_folder, check_new_folder, folder_of, write_whole};
 
 /// An output: its flag, and its path if it is given.
@@ -29,13 +29,14 @@ pub fn check_outputs(inputs: &[&Path], outputs: &[Output<'_>]) -> anyhow::Result
     let mut taken: Vec<PathBuf> = inputs.iter().filter_map(|path| canonical(path)).collect();
     for output in outputs {
         let (Output::File(flag, path) | Output::InNewFolder(flag, path)) = output;
-        if path.is_some_and(|path| path.as_os_str() == "-") {
-            return Err(InputError::expected(
-                flag,
-                "a file; stdout is for the sentences and tables",
-                quoted("-"),
-            )
-            .into());
+        let is_folder = matches!(output, Output::InNewFolder(..));
+        let is_dash = |path: &Path| path.as_os_str() == "-";
+        if path.is_some_and(|path| is_dash(path) || is_folder && path.parent().is_some_and(is_dash)) {
+            let expected = format!(
+                "a {}; stdout is for the sentences and tables",
+                if is_folder { "folder" } else { "file" }
+            );
+            return Err(InputError::expected(flag, expected, quoted("-")).into());
         }
         match output {
             Output::File(_, Some(path)) => check_folder(path)?,
@@ -62,14 +63,14 @@ pub fn write_json(path: Option<&PathBuf>, value: &impl Serialize) -> anyhow::Res
     Ok(write_whole(path, |out| out.write_all(text.as_bytes()))?)
 }
 
-/// Prints the result on stdout. A closed pipe is not an error: all files have been written before.
+/// Prints the result on stdout, without control characters that a name in a file may have. A closed pipe is not an error: all files have been written before.
 pub fn print(text: &str) -> anyhow::Result<()> {
     print_to_reader(text).map(drop)
 }
 
 /// Prints a line on stdout. False if the pipe is closed: nobody reads it any more.
 pub fn print_to_reader(text: &str) -> anyhow::Result<bool> {
-    match writeln!(stdout().lock(), "{text}") {
+    match writeln!(stdout().lock(), "{}", printable(text)) {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
         written => Ok(written.map(|()| true)?),
     }

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use files::error::printable;
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// The status line; dropping it clears it.
@@ -44,7 +45,7 @@ impl Progress {
 
     /// Shows a message.
     pub fn show(&self, what: &str) {
-        self.0.set_message(what.to_owned());
+        self.0.set_message(printable(what));
     }
 }
 

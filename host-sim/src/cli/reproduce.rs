@@ -25,7 +25,11 @@ pub struct Arguments {
 /// # Errors
 /// An experiment that cannot be run, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    check_outputs(&[], &[Output::File("--json", arguments.json.as_ref())])?;
+    let page = pages::file_in(arguments.report.as_ref());
+    check_outputs(
+        &[],
+        &[Output::File("--json", arguments.json.as_ref()), Output::InNewFolder("--report", page.as_ref())],
+    )?;
     let progress = Progress::start();
     let reproduction = reproduce::run(&|what| progress.show(what))?;
     drop(progress);

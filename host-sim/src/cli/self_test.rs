@@ -84,10 +84,14 @@ fn check(arguments: &Arguments) -> Result<()> {
         return Err(InputError::expected("--only", expected, only).into());
     }
     let page = pages::file_in(arguments.report.as_ref());
-    check_outputs(
-        &[],
-        &[Output::File("--json", arguments.json.as_ref()), Output::InNewFolder("--report", page.as_ref())],
-    )?;
+    // Any file in the folder of the cases.
+    let kept = arguments.keep.as_ref().map(|folder| folder.join("case"));
+    let outputs = [
+        Output::File("--json", arguments.json.as_ref()),
+        Output::InNewFolder("--report", page.as_ref()),
+        Output::InNewFolder("--keep", kept.as_ref()),
+    ];
+    check_outputs(&[], &outputs)?;
     Ok(())
 }
 

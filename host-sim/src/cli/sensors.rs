@@ -24,7 +24,11 @@ pub struct Arguments {
 /// # Errors
 /// A motion that cannot be simulated, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    check_outputs(&[], &[Output::File("--json", arguments.json.as_ref())])?;
+    let page = pages::file_in(arguments.report.as_ref());
+    check_outputs(
+        &[],
+        &[Output::File("--json", arguments.json.as_ref()), Output::InNewFolder("--report", page.as_ref())],
+    )?;
     let progress = Progress::start();
     let study = sensors::run(&|what| progress.show(what))?;
     drop(progress);

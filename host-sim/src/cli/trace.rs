@@ -6,6 +6,7 @@ use anyhow::Result;
 
 use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
+use super::reading::ReadingArguments;
 use super::{friction_map, logs, summary};
 use contour::log_error::LogError;
 use files::output::write_whole;
@@ -19,7 +20,7 @@ pub struct Arguments {
     /// Machine file with the declared model.
     #[arg(long, required_unless_present = "friction_map")]
     machine: Option<PathBuf>,
-    /// Log to fit (CSV, .csv.gz, or - for stdin); may be given several times.
+    /// Log to fit (CSV, .csv.gz, - for stdin, or of another program, see below); may be given several times.
     #[arg(long, required_unless_present = "friction_map")]
     fit: Vec<PathBuf>,
     /// Log that is not used in any fit; an effect that increases its residual is refuted. May be given several times.
@@ -49,6 +50,8 @@ pub struct Arguments {
     /// Write report.html into this folder.
     #[arg(long)]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    reading: ReadingArguments,
 }
 
 /// Runs the command.
@@ -76,10 +79,11 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
         Output::InNewFolder("--report", page.as_ref()),
     ];
     check_outputs(&inputs, &outputs)?;
+    let reading = arguments.reading.request()?;
     let machine = Machine::read(machine)?;
     let progress = Progress::start();
     progress.show("reading the logs");
-    let (fit, validate) = (logs::read(&arguments.fit)?, logs::read(&arguments.validate)?);
+    let (fit, validate) = (logs::read(&arguments.fit, &reading)?, logs::read(&arguments.validate, &reading)?);
     // Before the trace, which leaves memory in pieces that a path cannot use.
     let contour_errors = LogError::all(fit.iter().chain(&validate));
     let show = |what: &str| progress.show(what);

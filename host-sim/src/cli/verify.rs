@@ -8,6 +8,7 @@ use serde_json::json;
 use super::logs;
 use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
+use super::reading::ReadingArguments;
 use super::sound_logs::SoundLogs;
 use compensate::alignment::aligned;
 use compensate::{CompensationFile, mapped};
@@ -24,7 +25,7 @@ pub struct Arguments {
     /// Machine file.
     #[arg(long)]
     machine: PathBuf,
-    /// Log before the change (CSV, .csv.gz, or - for stdin); may be given several times.
+    /// Log before the change (CSV, .csv.gz, - for stdin, or of another program, see below); may be given several times.
     #[arg(long, required = true)]
     before: Vec<PathBuf>,
     /// Log of the same motion after the change; may be given several times, in any order.
@@ -39,6 +40,8 @@ pub struct Arguments {
     /// Write report.html into this folder.
     #[arg(long)]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    reading: ReadingArguments,
 }
 
 /// Runs the command.
@@ -118,9 +121,10 @@ fn verified(
     machine: &Machine,
     predictions: &Predictions,
 ) -> Result<(Vec<VerifiedMotion>, Vec<String>), InputError> {
+    let request = arguments.reading.request()?;
     let progress = Progress::start();
     progress.show("reading the logs");
-    let (before, after) = (logs::read(&arguments.before)?, logs::read(&arguments.after)?);
+    let (before, after) = (logs::read(&arguments.before, &request)?, logs::read(&arguments.after, &request)?);
     for log in before.iter().chain(&after) {
         check_axes(log, machine)?;
     }

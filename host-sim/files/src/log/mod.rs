@@ -10,7 +10,7 @@ mod write;
 
 use std::ops::Range;
 
-pub use read::{ALLOWED, channel_of};
+pub use read::{ALLOWED, TIME, channel_of};
 pub use write::{Rows, write_rows};
 
 /// Units of an axis's positions and forces.

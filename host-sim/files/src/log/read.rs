@@ -8,7 +8,8 @@ use crate::axis_name::is_axis_name;
 use crate::error::{InputError, quoted, shortened};
 use crate::table::Table;
 
-const TIME: &str = "time_s";
+/// Name of the column of the times.
+pub const TIME: &str = "time_s";
 /// What the columns of a log may be called, for messages.
 pub const ALLOWED: &str = "time_s, NAME_command|motor|table|tool_mm|deg or NAME_force|added_force_n|nm";
 

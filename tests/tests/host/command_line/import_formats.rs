@@ -297,8 +297,8 @@ fn other_verbs_read_binary_files_with_our_names() {
     }
     let refused = folder.fails("trace --machine machine.toml --fit log.txt", 2);
     assert!(
-        refused.contains("expected commas between the columns")
-            && refused.contains("(lost-motion import converts"),
+        refused.contains("expected --map OURS=THEIRS")
+            && refused.contains("(a log of another program is read"),
         "{refused}"
     );
 }

@@ -28,8 +28,8 @@ fn is_as_good_as_declared(folder: &Path) {
     let initial = initial(&nameplate(&declared.machine), fit);
     assert_eq!(initial.machine.rates(), declared.machine.rates(), "{}", folder.display());
     // Where the case has an undeclared deviation of the setting, the estimated one is the true one.
-    let has_own_gain =
-        declared.axes.iter().any(|axis| axis.found_names().iter().any(|name| name == "servo_mismatch"));
+    let mut found = declared.axes.iter().flat_map(|axis| &axis.found);
+    let has_own_gain = found.any(|found| found.effect.name() == "servo_mismatch");
     for (name, axis) in &declared.machine.axis {
         let own = &initial.machine.axis[name].settings;
         assert_eq!(own.controller.law, axis.settings.controller.law);

@@ -19,7 +19,7 @@ fn the_gains_of_a_velocity_drive() {
     assert!((lag_s / (0.2 / 45.0) - 1.0).abs() < 0.02, "{gain} {feed}");
     assert!((40.0..50.0).contains(&gain), "{gain}");
     let trace = trace(&initial.machine, &logs[..2], &logs[2..], &|_| {}).unwrap();
-    assert!(trace.axes[0].found.is_empty(), "{:?}", trace.axes[0].found_names());
+    assert!(trace.axes[0].found.is_empty(), "{:?}", trace.found_names());
     let motor = trace.axes[0].residual(Stage::Motor).unwrap();
     // With the true gains: the noise of the encoder, 50 nm, and what the steps of the model leave, see `drives::velocity`.
     assert!((0.03..0.3).contains(&motor.after.validate), "{} µm", motor.after.validate);

@@ -89,5 +89,5 @@ fn imported(path: &Path) -> Log {
         units: vec!["m_motor_deg=rad".parse().unwrap()],
         ..Request::default()
     };
-    import::import(path, &request).unwrap().log
+    import::any_log::read(path, &request).unwrap().log
 }
