@@ -22,6 +22,12 @@ pub const MOST_LEFT: f64 = 0.4;
 /// A force is the mean over the interval that ends at its sample: half a sample old.
 const FORCE_AGE: f64 = 0.5;
 
+/// Noise of the acceleration as a part of its standard deviation, from which a wider filter is taken: it lowers the mass by its square.
+const MOST_NOISE: f64 = 0.25;
+
+/// Half widths of these filters, samples.
+const WIDTHS: [usize; 6] = [5, 10, 20, 40, 80, 160];
+
 /// Samples at either end of a log, where the filters have no neighbours.
 const MARGIN: usize = 20;
 
@@ -63,24 +69,47 @@ pub struct Elastic {
 
 /// The axis as one mass; `None` without logs of motor and force that show a mass.
 #[must_use]
-pub fn rigid(logs: &[&AxisSignals]) -> Option<Rigid> {
-    let with_slip = |slip_m: f64| Some((rigid_with(logs, slip_m)?, slip_m));
+pub fn rigid(logs: &[&AxisSignals], sample_s: f64) -> Option<Rigid> {
+    let smoothed: Vec<[Smooth; 2]> = logs.iter().filter_map(|log| smoothed(log, sample_s)).collect();
+    let with_slip = |slip_m: f64| Some((rigid_with(&smoothed, slip_m)?, slip_m));
     let (Solution { values: [mass_kg, coulomb_n, viscous], left, .. }, slip_m) =
         SLIPS_M.into_iter().filter_map(with_slip).min_by(|(a, _), (b, _)| a.rms.total_cmp(&b.rms))?;
     let (coulomb_n, viscous_n_s_per_m) = (coulomb_n.max(0.0), viscous.max(0.0));
     (mass_kg > 0.0 && left < MOST_LEFT).then_some(Rigid { mass_kg, coulomb_n, viscous_n_s_per_m, slip_m })
 }
 
-fn rigid_with(logs: &[&AxisSignals], slip_m: f64) -> Option<Solution<3>> {
+/// Motor and force of a log after the same filter: the narrowest that leaves little noise of the acceleration.
+fn smoothed(log: &AxisSignals, sample_s: f64) -> Option<[Smooth; 2]> {
+    let (motor, force) = log.motor.as_ref().zip(log.force.as_ref())?;
+    let is_quiet = |smooth: &Smooth| {
+        let (_, deviation) = numerics::mean_and_deviation(&smooth.acceleration);
+        smooth.acceleration_noise < MOST_NOISE * deviation
+    };
+    if is_quiet(motor) {
+        return Some([motor.clone(), force.clone()]);
+    }
+    let widths = WIDTHS.into_iter().map(|width| (width, Smooth::new(motor.raw.clone(), sample_s, width)));
+    let (width, motor) = widths.into_iter().find(|(_, motor)| is_quiet(motor))?;
+    Some([motor, Smooth::new(force.raw.clone(), sample_s, width)])
+}
+
+fn rigid_with(logs: &[[Smooth; 2]], slip_m: f64) -> Option<Solution<3>> {
     let mut regression = Regression::default();
-    for (motor, force) in logs.iter().filter_map(|log| log.motor.as_ref().zip(log.force.as_ref())) {
+    for [motor, force] in logs {
         let aged = |values: &[f64]| delayed_linear(values, FORCE_AGE);
-        let (acceleration, velocity) = (aged(motor.quiet_acceleration()), aged(&motor.velocity));
+        let (acceleration, velocity) = (aged(&motor.acceleration), aged(&motor.velocity));
         let direction = aged(&direction::of(&motor.value, slip_m));
         let rows = MARGIN..force.value.len().saturating_sub(MARGIN);
         regression.add_log(rows.map(|i| ([acceleration[i], direction[i], velocity[i]], force.value[i])));
     }
-    regression.solve()
+    regression.solve().or_else(|| without_reversal(&regression))
+}
+
+/// The coefficients without Coulomb friction, which a motion in one direction does not show.
+fn without_reversal(regression: &Regression<3>) -> Option<Solution<3>> {
+    let columns = nalgebra::SMatrix::<f64, 3, 2>::new(1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+    let Solution { values: [mass_kg, viscous], rms, left } = regression.combined(&columns).solve()?;
+    Some(Solution { values: [mass_kg, 0.0, viscous], rms, left })
 }
 
 /// The drive train; `None` without logs of motor and table that show its stretch.

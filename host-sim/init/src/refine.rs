@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 
 use files::error::InputError;
 use files::log::{Log, Unit};
-use model::axis::{Drive, Settings};
+use model::axis::{Drive, Settings, TOLERATED, Tolerated};
 use model::effects::Stage;
-use model::machine::nominal::{TOLERATED, Tolerated};
 use model::machine::{Axis, Machine};
 use rayon::prelude::*;
 use shared::config::Rates;
@@ -47,6 +46,14 @@ const HALF_WIDTHS: f64 = 3.0;
 
 /// Smallest tolerance, percent, of a value of the mechanics and of a setting of the controller.
 const LEAST_PERCENT: [f64; 2] = [2.0, 0.5];
+
+/// Half width, relative, of the gains of a loop that commands the velocity of an unknown drive, if the logs show only the lag that both
+/// have together.
+const OF_UNKNOWN_DRIVE: f64 = 0.25;
+
+/// Factors of Kp, with the same lag (1 − Kf)/Kp, and times the residual at which such a gain describes the motor as well.
+const OTHER_GAINS: [f64; 2] = [0.75, 1.33];
+const AS_WELL: f64 = 1.5;
 
 /// Tolerance of a usual value, percent: zero to twice it.
 const USUAL_PERCENT: f64 = 100.0;
@@ -98,6 +105,8 @@ pub fn machine(known: &Machine, logs: &[Log], progress: &Progress<'_>) -> Result
         true if best.iter().all(|fitted| fitted.is_at_noise) => divider,
         true => search.best_divider(&mut best, &examined),
     };
+    let shows_gain: Vec<bool> =
+        best.iter().enumerate().map(|(axis, fitted)| search.shows_gain(&examined, axis, fitted)).collect();
     progress("fitting the values");
     let best: Vec<&Rough> = best.iter().map(|fitted| &fitted.rough).collect();
     let mut machine = search.machine(&best, SECOND_PERCENT, divider);
@@ -108,7 +117,7 @@ pub fn machine(known: &Machine, logs: &[Log], progress: &Progress<'_>) -> Result
         let declared = &known.axis[&axis.axis];
         let of_axis: Vec<_> = signals.iter().map(|log| &log.axes[index]).collect();
         notes.extend(keep_shown(&mut rough, axis, &declared.settings, Spread::of(&of_axis)));
-        let settings = with_tolerances(&rough, axis, &mut values);
+        let settings = with_tolerances(&rough, axis, shows_gain[index], &mut values);
         if let Some(written) = machine.axis.get_mut(&axis.axis) {
             *written = Axis { settings, effect: declared.effect.clone(), ..Axis::default() };
         }
@@ -238,6 +247,27 @@ impl Search<'_> {
         kept.1
     }
 
+    /// Whether a loop that commands the velocity of an unknown drive has no other gain with the same lag that describes the motor about as
+    /// well, with another bandwidth of the drive. True for other drives.
+    fn shows_gain(&self, examined: &Trace, axis: usize, fitted: &Fitted) -> bool {
+        let controller = &fitted.rough.settings.controller;
+        let (Drive::Velocity, Some(gain_per_s)) = (controller.drive, controller.position_gain_per_s) else {
+            return true;
+        };
+        let lag_percent = 100.0 - controller.feedforward_percent.unwrap_or(0.0);
+        let motor_rms = |factor: f64| {
+            let mut other = fitted.rough.clone();
+            other.settings.controller.position_gain_per_s = Some(factor * gain_per_s);
+            other.settings.controller.feedforward_percent = Some((100.0 - factor * lag_percent).max(0.0));
+            for key in ["position_gain_per_s", "feedforward_percent"] {
+                other.origins.insert(key, Origin::Known);
+            }
+            self.refitted(examined, axis, &other, 1).motor_rms
+        };
+        let own = motor_rms(1.0);
+        OTHER_GAINS.into_iter().all(|factor| motor_rms(factor) > AS_WELL * own)
+    }
+
     /// The values of an axis fitted at a rate of the velocity loop, without a search.
     fn refitted(&self, examined: &Trace, axis: usize, rough: &Rough, divider: u32) -> Fitted {
         let sample_rate_hz = self.known.sample_rate_hz;
@@ -287,6 +317,7 @@ fn with_values_of(rough: &Rough, model: &AxisModel) -> Rough {
 fn with_tolerances(
     rough: &Rough,
     axis: &AxisTrace,
+    shows_gain: bool,
     values: &mut BTreeMap<(String, &'static str), Value>,
 ) -> Settings {
     let mut settings = rough.settings.clone();
@@ -295,6 +326,7 @@ fn with_tolerances(
         let fitted = axis.declared_values.iter().find(|value| value.key == key.key);
         let half_width =
             fitted.map(|value| value.half_width / value.fitted).filter(|width| width.is_finite());
+        let half_width = half_width.map(|width| width.max(if shows_gain { 0.0 } else { OF_UNKNOWN_DRIVE }));
         let [of_mechanics, of_controller] = LEAST_PERCENT;
         let least = if key.is_of_controller { of_controller } else { of_mechanics };
         let tolerance_percent = match origin {

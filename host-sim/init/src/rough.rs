@@ -5,10 +5,9 @@ use std::collections::BTreeMap;
 use crate::control_loop::{self, Known, LoopSettings};
 use crate::mechanics::{self, Elastic, Rigid};
 use crate::velocity_loop;
-use model::axis::{Drive, Feedback, Settings};
+use model::axis::{Drive, Feedback, Settings, TOLERATED, Tolerated};
 use model::effects::{Backlash, Effect};
 use model::machine::Axis;
-use model::machine::nominal::{TOLERATED, Tolerated};
 use trace::input::signals::AxisSignals;
 
 /// Damping of the drive train and of the presliding, as parts of the critical one: usual values of ball screws.
@@ -56,7 +55,7 @@ pub fn of(declared: &Axis, logs: &[&AxisSignals], sample_s: f64, divider: Option
         rough.add_velocity_loop(logs, sample_s);
         return vec![rough];
     }
-    rough.add_mechanics(logs);
+    rough.add_mechanics(logs, sample_s);
     let Settings { controller, sensors, .. } = known;
     let is_known =
         [controller.position_gain_per_s, controller.velocity_gain_n_s_per_m].iter().all(Option::is_some);
@@ -86,7 +85,7 @@ fn drive(known: &Settings, logs: &[&AxisSignals]) -> Drive {
 impl Rough {
     /// Sets a value that the user did not declare.
     fn set(&mut self, key: &str, value: Option<f64>, origin: Origin) {
-        let declared = TOLERATED.iter().find(|tolerated| tolerated.key == key);
+        let declared = Tolerated::with_key(key);
         let (Some(tolerated), Some(value)) = (declared, value.filter(|value| *value > 0.0)) else { return };
         if self.origins.get(tolerated.key) != Some(&Origin::Known) {
             (tolerated.set)(&mut self.settings, crate::rounded(value));
@@ -104,8 +103,8 @@ impl Rough {
         }
     }
 
-    fn add_mechanics(&mut self, logs: &[&AxisSignals]) {
-        let Some(rigid) = mechanics::rigid(logs) else { return };
+    fn add_mechanics(&mut self, logs: &[&AxisSignals], sample_s: f64) {
+        let Some(rigid) = mechanics::rigid(logs, sample_s) else { return };
         self.set("viscous_n_s_per_m", Some(rigid.viscous_n_s_per_m), Origin::Logs);
         if let Some(elastic) = mechanics::elastic(logs, &rigid) {
             self.add_elastic(&rigid, &elastic);
@@ -185,10 +184,9 @@ impl Rough {
 
     /// Leaves a value unknown by its key, if the user did not declare it.
     pub fn forget_value(&mut self, key: &str) {
-        TOLERATED
-            .iter()
-            .filter(|tolerated| tolerated.key == key)
-            .for_each(|tolerated| self.forget(tolerated));
+        if let Some(tolerated) = Tolerated::with_key(key) {
+            self.forget(tolerated);
+        }
     }
 
     /// The axis with tolerances of all values that the user did not declare, percent, and with the effects beside them.

@@ -53,12 +53,7 @@ impl Spread {
 
 /// Leaves the values unknown that the fit of an axis does not determine; one sentence for each.
 #[must_use]
-pub fn keep_shown(
-    rough: &mut Rough,
-    axis: &AxisTrace,
-    declared: &Settings,
-    spread: Spread,
-) -> Vec<String> {
+pub fn keep_shown(rough: &mut Rough, axis: &AxisTrace, declared: &Settings, spread: Spread) -> Vec<String> {
     let mut notes = Vec::new();
     let name = &axis.axis;
     let part = |stage: Stage, of: f64| axis.residual(stage).map_or(0.0, |residual| residual.after.fit / of);
@@ -82,6 +77,14 @@ pub fn keep_shown(
         |value: &&DeclaredValue| value.half_width > WIDEST * value.fitted && !value.is_poorly_determined;
     let wide: Vec<&str> = axis.declared_values.iter().filter(is_wide).map(|value| value.key).collect();
     let is_elastic = rough.settings.mechanics.stiffness_n_per_um.is_some();
+    if is_elastic && wide.iter().any(|key| ["coulomb_n", "viscous_n_s_per_m"].contains(key)) {
+        // Friction is what a force shows best: a stiffness that leaves it open is one of another mechanism.
+        rough.forget_mechanics(declared);
+        notes.push(format!(
+            "{name}: masses and friction are left unknown, as the logs do not determine them."
+        ));
+        return notes;
+    }
     if is_elastic && wide.iter().any(|key| OF_DIVISION.contains(key)) {
         rough.make_rigid();
         notes.push(format!(

@@ -1,6 +1,6 @@
 //! The machine file with a comment for each value, and what is said on the terminal.
 
-use model::axis::Drive;
+use model::axis::{Drive, Tolerated};
 use model::machine::Axis;
 
 use crate::refine::{Initial, Value};
@@ -52,7 +52,7 @@ pub fn summary(initial: &Initial) -> String {
     for (name, axis) in &initial.machine.axis {
         text += &format!("{name}: {}.\n", drive(axis));
         for ((_, key), value) in initial.values.iter().filter(|((own, _), _)| own == name) {
-            let tolerated = model::machine::nominal::TOLERATED.iter().find(|tolerated| tolerated.key == *key);
+            let tolerated = Tolerated::with_key(key);
             let Some(number) = tolerated.and_then(|tolerated| (tolerated.get)(&axis.settings)) else {
                 continue;
             };

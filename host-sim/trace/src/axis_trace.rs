@@ -10,8 +10,8 @@ use crate::fit::exclusion::Exclusion;
 use crate::fit::final_fit::{FinalFit, final_fit, reuse_previous_fit};
 use crate::fit::fit_data::{FitAndValidationRms, FitData};
 use crate::fit::fitted_scope::FittedScope;
-use crate::fit::least_squares::{self, Fitted};
-use crate::fit::model_bias::first_fit;
+use crate::fit::least_squares::Fitted;
+use crate::fit::model_bias::{first_fit, from_best_start};
 use crate::fit::scope::{NotTestable, Scope};
 use crate::fit::scope_fit::{Progress, ScopeFit, fit_again, fit_jointly};
 use crate::fit::testable_scopes::scopes;
@@ -185,7 +185,7 @@ impl Tracing<'_> {
         let fixed = Axis { settings: declared.settings.clone().without_tolerances(), ..declared.clone() };
         let mut model = AxisModel::new(&fixed, self.fit_data.rates, self.fit_data.options.model);
         for scope in self.scopes {
-            model = least_squares::fit(self.fit_data, &model, scope, least_squares::STEPS).model;
+            model = from_best_start(self.fit_data, &model, scope).model;
         }
         model
     }

@@ -173,7 +173,7 @@ options! {
     model: ModelOptions {
         /// Standard deviation of the prior of a declared value, as a fraction of its tolerance. The tolerance is two
         /// standard deviations, as users state it, and no bound: logs may show that a value is outside
-        /// ([`Tolerated::range`](model::machine::nominal::Tolerated::range)).
+        /// ([`fit_range`](model::machine::nominal::fit_range)).
         prior: f64 = 0.5,
         /// Maximum change, by the motor stage, of a mass that was fitted to the force, as a fraction of the total mass. It
         /// covers the error of the force stage's filter and of the simulation step.

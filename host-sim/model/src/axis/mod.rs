@@ -1,17 +1,19 @@
 //! The settings of one axis as declared: controller, filters, limits, mechanics, sensors.
 //!
-//! In a machine file they are flat keys of the table `[axis.NAME]`. The module `keys` declares each key once. The structs
+//! In a machine file they are flat keys of the table `[axis.NAME]`. The module `keys` declares each key once, the module `tolerated` those that can have a tolerance. The structs
 //! in this module, the list [`KEYS`], and the table of the file in [`crate::machine`] are generated from it.
 
 mod keys;
+mod tolerated;
 
 pub(crate) use keys::axis_keys;
+pub(crate) use tolerated::tolerated_keys;
+pub use tolerated::{TOLERATED, Tolerances, Tolerated, is_mass};
 
 use serde::{Deserialize, Serialize};
 use shared::units::TRAVEL_LIMIT_M;
 
 use crate::friction_curve::Curve;
-use crate::machine::nominal::{TOLERATED, Tolerances};
 use crate::range::Range::{self, NotNegative, Positive, UpTo};
 
 /// Full steps per turn of most stepper motors: 1.8° each.
@@ -250,8 +252,7 @@ impl Settings {
     /// Relative tolerance of a declared value, by its key; 0: it is exact.
     #[must_use]
     pub fn tolerance(&self, key: &str) -> f64 {
-        let value = TOLERATED.iter().find(|value| value.key == key);
-        value.map_or(0.0, |value| value.tolerance(self))
+        Tolerated::with_key(key).map_or(0.0, |value| value.tolerance(self))
     }
 
     /// These settings with exact values.

@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::nominal::{LogOffsets, Nominal, TOLERATED, Tolerances};
+use super::nominal::{LogOffsets, Nominal};
 use crate::axis::{
-    Controller, Drive, Feedback, Field, Filters, Law, Limits, Mechanics, Sensors, Settings, axis_keys,
+    Controller, Drive, Feedback, Field, Filters, Law, Limits, Mechanics, Sensors, Settings, TOLERATED,
+    Tolerances, axis_keys,
 };
 use crate::effects::Effect;
 use crate::friction_curve::Curve;
@@ -33,7 +34,7 @@ impl Axis {
         let mut axis = Self { nominal: None, log_offsets: None, ..self.clone() };
         let Some(nominal) = &self.nominal else { return axis };
         for value in TOLERATED {
-            if let Some(number) = (value.nominal)(nominal) {
+            if let Some(number) = nominal.get(value.key) {
                 (value.set)(&mut axis.settings, number);
             }
         }

@@ -9,12 +9,12 @@ use shared::config::Rates;
 use super::held_effects;
 use super::limits::{self, ParameterAtLimit};
 use super::scope::{Mechanics, Scope};
-use super::total_mass::is_mass;
-use super::trim::Trims;
+use super::trim::{FIRST_DRIVES, Trims};
 use crate::options::ModelOptions;
+use model::axis::{Drive, TOLERATED, Tolerated};
 use model::effects::{Effect, Stage};
 use model::machine::Axis;
-use model::machine::nominal::{LogOffsets, Nominal, TOLERATED, Tolerated};
+use model::machine::nominal::{LogOffsets, Nominal, fit_range};
 use plant::parameters::AxisParameters;
 
 /// The model of one axis during a trace.
@@ -100,7 +100,7 @@ impl AxisModel {
         let mut nominal = Nominal::default();
         let mut offsets = LogOffsets::default();
         for (key, centre) in self.tolerated_keys() {
-            (key.set_nominal)(&mut nominal, centre);
+            nominal.set(key.key, centre);
         }
         if self.tolerance() > 0.0 {
             let declared = self.nominal.effect.iter().zip(&self.axis.effect);
@@ -179,7 +179,7 @@ impl AxisModel {
         if self.within_tolerance.contains(&key.key) {
             return [nominal * (1.0 - tolerance), nominal * (1.0 + tolerance)];
         }
-        key.range(nominal, tolerance)
+        fit_range(key, nominal, tolerance)
     }
 
     /// Keys of declared values that ended at a bound of their range, including poorly determined ones.
@@ -252,6 +252,16 @@ impl AxisModel {
         model
     }
 
+    /// This model, and with other first values of a drive whose velocity is commanded: the fit of its time constant, integral part and
+    /// dead time has several optima. Only this model for another drive, and for a file that a trace wrote.
+    #[must_use]
+    pub fn starts(&self, scope: &Scope) -> Vec<Self> {
+        let is_unknown = self.declared.settings.controller.drive == Drive::Velocity && !self.was_fitted();
+        let others = if is_unknown && scope.stages.contains(&Stage::Motor) { &FIRST_DRIVES[..] } else { &[] };
+        let other = |&drive: &[f64; 2]| Self { trims: self.trims.with_velocity_drive(drive), ..self.clone() };
+        std::iter::once(self.clone()).chain(others.iter().map(other)).collect()
+    }
+
     /// Parameters for the simulation of the axis.
     #[must_use]
     pub fn parameters(&self) -> AxisParameters {
@@ -273,7 +283,7 @@ impl AxisModel {
     /// The larger relative tolerance of the masses.
     #[must_use]
     pub fn mass_tolerance(&self) -> f64 {
-        numerics::max(TOLERATED.iter().filter(|key| is_mass(key.key)).map(|key| self.tolerance_of(key)))
+        numerics::max(TOLERATED.iter().filter(|key| key.is_mass()).map(|key| self.tolerance_of(key)))
     }
 
     /// Sum of the nominal masses.

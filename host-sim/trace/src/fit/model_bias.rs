@@ -60,11 +60,29 @@ pub fn of_fitted_file(data: &FitData<'_>, model: &AxisModel, scope: &Scope) -> V
     if is_less(data, [&with, &without], scope) { bias } else { Vec::new() }
 }
 
+/// Decrease of the logarithm of a residual from which another start of a fit is better: 1 %.
+const MIN_GAIN_OF_START: f64 = 0.01;
+
 /// Fits the free parameters of a scope before any search; also returns the error that was subtracted.
 #[must_use]
 pub fn first_fit(data: &FitData<'_>, start: &AxisModel, scope: &Scope) -> (Fitted, Vec<ResidualSeries>) {
     let bias = of_fitted_file(data, start, scope);
-    (least_squares::fit(&FitData { bias: &bias, ..*data }, start, scope, least_squares::STEPS), bias)
+    (from_best_start(&FitData { bias: &bias, ..*data }, start, scope), bias)
+}
+
+/// Fits the free parameters of a scope from the best of the starts of a model.
+#[must_use]
+pub fn from_best_start(data: &FitData<'_>, start: &AxisModel, scope: &Scope) -> Fitted {
+    let fit = |start: &AxisModel| least_squares::fit(data, start, scope, least_squares::STEPS);
+    let mut best = fit(start);
+    for other in &start.starts(scope)[1..] {
+        let other = fit(other);
+        let [kept, new] = [&best, &other].map(|fitted| log_rms(data, &fitted.residuals, scope));
+        if new < kept - MIN_GAIN_OF_START {
+            best = other;
+        }
+    }
+    best
 }
 
 /// A log in which the axis's channels are those of the model in its closed loop.

@@ -6,16 +6,10 @@ use super::intervals::covariance;
 use super::least_squares::Fitted;
 use super::scope::Scope;
 
-/// Whether a key of the machine file is that of a mass.
-#[must_use]
-pub fn is_mass(key: &str) -> bool {
-    ["motor_mass_kg", "table_mass_kg"].contains(&key)
-}
-
 /// Half width of the 95 % confidence interval of the sum of the masses that a scope fits, kg.
 #[must_use]
 pub fn half_width_kg(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> f64 {
-    let masses = fitted.model.declared_values(scope).filter(|(_, key, _)| is_mass(key.key));
+    let masses = fitted.model.declared_values(scope).filter(|(_, key, _)| key.is_mass());
     let indices: Vec<usize> = masses.map(|(index, ..)| index).collect();
     covariance(data, fitted).half_width_of_sum(&indices)
 }

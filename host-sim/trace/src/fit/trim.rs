@@ -53,6 +53,9 @@ const LARGEST_FRICTION_M_PER_S2: f64 = 30.0;
 const FIRST_TIME_CONSTANT_MS: f64 = 3.0;
 const FIRST_INTEGRAL_PER_S: f64 = 30.0;
 
+/// Other first values of the same: without an integral part, and slower and faster drives.
+pub const FIRST_DRIVES: [[f64; 2]; 4] = [[3.0, 0.0], [10.0, 0.0], [10.0, 30.0], [1.0, 0.0]];
+
 /// Longest dead time of a drive whose velocity or position is commanded, in samples.
 const LONGEST_DEAD_TIME: f64 = 10.0;
 
@@ -151,6 +154,17 @@ impl Instant {
         }
     }
 
+    /// Step of the difference quotients, from the bound, ms. The motor is far from linear in the values of a drive whose velocity is
+    /// commanded: 0.1 ms, 1 1/s, 0.02 m/s².
+    fn step_ms(self, bound_ms: f64) -> f64 {
+        match self {
+            Self::VelocityTimeConstant => 0.1,
+            Self::VelocityIntegral => 1.0,
+            Self::VelocityFriction => 0.02,
+            _ => 0.02 * bound_ms,
+        }
+    }
+
     /// Whether an effect describes the same timing.
     fn is_replaced_by(self, effect: &Effect) -> bool {
         match effect.timing() {
@@ -214,7 +228,7 @@ impl Trims {
             let is_lag =
                 |effect: &Effect| instant == Instant::Drive && effect.timing() == Some(Timing::DriveLag);
             let upper = if axis.effect.iter().any(is_lag) { 0.0 } else { upper };
-            let step = 0.02 * bound;
+            let step = instant.step_ms(bound);
             let coordinate = if axis.effect.iter().any(|effect| instant.is_replaced_by(effect)) {
                 Coordinate::between(0.0, step, 0.0, 0.0)
             } else {
@@ -225,6 +239,16 @@ impl Trims {
         let of_stages = Instant::ALL.into_iter();
         let of_stages = of_stages.filter(|instant| stages.contains(&instant.stage()) && instant.is_of(axis));
         of_stages.map(coordinate).collect()
+    }
+
+    /// These trims with time constant (ms) and integral rate (1/s) of a drive whose velocity is commanded, and no dead time.
+    #[must_use]
+    pub fn with_velocity_drive(&self, [time_constant_ms, integral_per_s]: [f64; 2]) -> Self {
+        let mut trims = self.clone();
+        trims.set_ms(Instant::VelocityTimeConstant, time_constant_ms);
+        trims.set_ms(Instant::VelocityIntegral, integral_per_s);
+        trims.set_ms(Instant::DeadTime, 0.0);
+        trims
     }
 
     /// Sets the delay of an instant, ms.

@@ -8,7 +8,8 @@ use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
 use crate::fit::least_squares::Fitted;
 use crate::fit::scope::{Mechanics, Scope};
-use crate::fit::total_mass::{half_width_kg, is_mass};
+use crate::fit::total_mass::half_width_kg;
+use model::axis::is_mass;
 
 /// Half width of the total mass from which it is not determined, as a fraction of its tolerance.
 const MAX_HALF_WIDTH: f64 = 0.5;

@@ -11,9 +11,8 @@ use crate::fit::intervals::covariance;
 use crate::fit::least_squares;
 use crate::fit::scope::Mechanics;
 use crate::fit::scope_fit::ScopeFit;
-use crate::fit::total_mass::is_mass;
+use model::axis::{Tolerated, is_mass};
 use model::effects::Stage;
-use model::machine::nominal::{TOLERATED, Tolerated};
 
 /// A declared value with its fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +57,7 @@ impl DeclaredValue {
     /// Whether it is a setting of the controller, on which the scale of the logged force has no influence.
     #[must_use]
     pub fn is_of_controller(&self) -> bool {
-        TOLERATED.iter().any(|key| key.key == self.key && key.is_of_controller)
+        Tolerated::with_key(self.key).is_some_and(|key| key.is_of_controller)
     }
 
     /// Whether the whole confidence interval is outside the tolerance, on one side.

@@ -11,8 +11,8 @@ use crate::fit::scope_fit::Progress;
 use crate::outcome::{AxisTrace, StageResidual, Trace};
 use crate::stages::{residual_unit, stage_names};
 use crate::task::Task;
+use model::axis::Tolerated;
 use model::effects::Stage;
-use model::machine::nominal::TOLERATED;
 
 /// Damping of the step: the fit to the stretches is near.
 const DAMPING: f64 = 1e-6;
@@ -88,7 +88,7 @@ impl AxisTrace {
             }
         }
         for value in &mut self.declared_values {
-            let key = TOLERATED.iter().find(|key| key.key == value.key);
+            let key = Tolerated::with_key(value.key);
             if let Some(fitted) = key.and_then(|key| (key.get)(&self.model.axis.settings)) {
                 value.fitted = fitted;
             }

@@ -35,8 +35,7 @@ fn is_as_good_as_declared(folder: &Path) {
         assert_eq!(own.controller.law, axis.settings.controller.law);
         assert_eq!(own.sensors.feedback, axis.settings.sensors.feedback, "{} {name}", folder.display());
         for key in ["position_gain_per_s", "feedforward_percent", "velocity_gain_n_s_per_m"] {
-            let key =
-                model::machine::nominal::TOLERATED.iter().find(|tolerated| tolerated.key == key).unwrap();
+            let key = model::axis::Tolerated::with_key(key).unwrap();
             let ratio = (key.get)(own).unwrap() / (key.get)(&axis.settings).unwrap();
             assert!(
                 has_own_gain || (0.99..1.01).contains(&ratio),

@@ -17,7 +17,9 @@ fn the_gains_of_a_velocity_drive() {
     let (gain, feed) = (controller.position_gain_per_s.unwrap(), controller.feedforward_percent.unwrap());
     let lag_s = (1.0 - 0.01 * feed) / gain;
     assert!((lag_s / (0.2 / 45.0) - 1.0).abs() < 0.02, "{gain} {feed}");
-    assert!((40.0..50.0).contains(&gain), "{gain}");
+    let tolerances = initial.machine.axis["x"].settings.mechanics.tolerance_percent.as_ref().unwrap();
+    let tolerance = 0.01 * tolerances.position_gain_per_s.unwrap();
+    assert!((45.0 / gain - 1.0).abs() < tolerance, "{gain} ± {tolerance}");
     let trace = trace(&initial.machine, &logs[..2], &logs[2..], &|_| {}).unwrap();
     assert!(trace.axes[0].found.is_empty(), "{:?}", trace.found_names());
     let motor = trace.axes[0].residual(Stage::Motor).unwrap();

@@ -1,8 +1,8 @@
 //! Checks that the tables written by a trace, `nominal` and `log_offsets`, match the fitted values.
 
 use super::{Context, parameters};
-use crate::axis::Drive;
-use crate::machine::nominal::TOLERATED;
+use crate::axis::{Drive, TOLERATED};
+use crate::machine::nominal::fit_range;
 use crate::range::Range;
 use files::error::InputError;
 
@@ -34,18 +34,18 @@ impl Context<'_> {
     }
 
     /// The `nominal` table. The axis must have the same values and effects, and its values must be in the range of a fit,
-    /// [`Tolerated::range`](crate::machine::nominal::Tolerated::range).
+    /// [`fit_range`].
     pub(super) fn nominal(&self) -> Result<(), InputError> {
         let Some(nominal) = &self.axis.nominal else { return Ok(()) };
         for value in TOLERATED {
-            let Some(centre) = (value.nominal)(nominal) else { continue };
+            let Some(centre) = nominal.get(value.key) else { continue };
             let key = format!("nominal.{}", value.key);
             Range::NotNegative.check(&format!("{}.{key}", self.key), centre, self.document)?;
             let Some(fitted) = (value.get)(self.settings) else {
                 return Err(self.refuse(&key, &format!("no such key, as {} is not given", value.key)));
             };
             let tolerance = value.tolerance(self.settings);
-            let [least, most] = value.range(centre, tolerance);
+            let [least, most] = fit_range(value, centre, tolerance);
             if fitted < least * (1.0 - ROUNDING) || fitted > most * (1.0 + ROUNDING) {
                 let what = format!(
                     "a value that a fit may give, {least} to {most}, from {key} ({centre}) and its tolerance ({} %)",

@@ -4,8 +4,9 @@ use super::AxisModel;
 use crate::fit::scope::{Mechanics, Scope};
 use crate::fit::trim::Instant;
 use crate::fit::unknown_friction::unknown_motor_friction;
+use model::axis::{TOLERATED, Tolerated};
 use model::effects::{Coordinate, Effect, Stage};
-use model::machine::nominal::{MAX_TOLERANCES, TOLERATED, Tolerated};
+use model::machine::nominal::MAX_TOLERANCES;
 
 /// A free parameter of a fit.
 #[derive(Clone, Copy, Debug)]
