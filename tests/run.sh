@@ -18,6 +18,7 @@ long=(
   command_line::improve:: command_line::reproduce:: command_line::compare:: command_line::worked_example::
   model_again::a_model_of_a_case_is_stable model_again::a_model_of_measured_data_is_stable
   incomplete_logs::sweep::parts_of_the_blind_cases
+  init::cases::all_other_cases init::measured::emps
 )
 
 step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }

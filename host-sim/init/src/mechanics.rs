@@ -52,6 +52,8 @@ pub struct Rigid {
     pub viscous_n_s_per_m: f64,
     /// Coulomb friction over the stiffness before sliding, m; 0: none is seen.
     pub slip_m: f64,
+    /// Whether only a filter longer than that of a trace shows the mass.
+    pub is_noisy: bool,
 }
 
 /// The drive train between motor and table.
@@ -70,32 +72,54 @@ pub struct Elastic {
 /// The axis as one mass; `None` without logs of motor and force that show a mass.
 #[must_use]
 pub fn rigid(logs: &[&AxisSignals], sample_s: f64) -> Option<Rigid> {
-    let smoothed: Vec<[Smooth; 2]> = logs.iter().filter_map(|log| smoothed(log, sample_s)).collect();
+    let smoothed: Vec<Smoothed> = logs.iter().filter_map(|log| Smoothed::of(log, sample_s)).collect();
     let with_slip = |slip_m: f64| Some((rigid_with(&smoothed, slip_m)?, slip_m));
     let (Solution { values: [mass_kg, coulomb_n, viscous], left, .. }, slip_m) =
         SLIPS_M.into_iter().filter_map(with_slip).min_by(|(a, _), (b, _)| a.rms.total_cmp(&b.rms))?;
+    let has_reversal = coulomb_n != 0.0;
+    let one_way = || numerics::mean(smoothed.iter().map(|log| log.one_way_n([mass_kg, viscous])));
+    let coulomb_n = if has_reversal { coulomb_n } else { one_way() };
     let (coulomb_n, viscous_n_s_per_m) = (coulomb_n.max(0.0), viscous.max(0.0));
-    (mass_kg > 0.0 && left < MOST_LEFT).then_some(Rigid { mass_kg, coulomb_n, viscous_n_s_per_m, slip_m })
+    let is_noisy = smoothed.iter().any(|log| log.is_noisy);
+    let rigid = Rigid { mass_kg, coulomb_n, viscous_n_s_per_m, slip_m, is_noisy };
+    (mass_kg > 0.0 && left < MOST_LEFT).then_some(rigid)
 }
 
 /// Motor and force of a log after the same filter: the narrowest that leaves little noise of the acceleration.
-fn smoothed(log: &AxisSignals, sample_s: f64) -> Option<[Smooth; 2]> {
-    let (motor, force) = log.motor.as_ref().zip(log.force.as_ref())?;
-    let is_quiet = |smooth: &Smooth| {
-        let (_, deviation) = numerics::mean_and_deviation(&smooth.acceleration);
-        smooth.acceleration_noise < MOST_NOISE * deviation
-    };
-    if is_quiet(motor) {
-        return Some([motor.clone(), force.clone()]);
-    }
-    let widths = WIDTHS.into_iter().map(|width| (width, Smooth::new(motor.raw.clone(), sample_s, width)));
-    let (width, motor) = widths.into_iter().find(|(_, motor)| is_quiet(motor))?;
-    Some([motor, Smooth::new(force.raw.clone(), sample_s, width)])
+struct Smoothed {
+    motor: Smooth,
+    force: Smooth,
+    /// Whether it is wider than that of a trace.
+    is_noisy: bool,
 }
 
-fn rigid_with(logs: &[[Smooth; 2]], slip_m: f64) -> Option<Solution<3>> {
+impl Smoothed {
+    fn of(log: &AxisSignals, sample_s: f64) -> Option<Self> {
+        let (motor, force) = log.motor.as_ref().zip(log.force.as_ref())?;
+        let is_quiet = |smooth: &Smooth| {
+            let (_, deviation) = numerics::mean_and_deviation(&smooth.acceleration);
+            smooth.acceleration_noise < MOST_NOISE * deviation
+        };
+        if is_quiet(motor) {
+            return Some(Self { motor: motor.clone(), force: force.clone(), is_noisy: false });
+        }
+        let widths = WIDTHS.into_iter().map(|width| (width, Smooth::new(motor.raw.clone(), sample_s, width)));
+        let (width, motor) = widths.into_iter().find(|(_, motor)| is_quiet(motor))?;
+        Some(Self { motor, force: Smooth::new(force.raw.clone(), sample_s, width), is_noisy: true })
+    }
+
+    /// Mean force in the direction of a motion without a reversal, beside mass and viscous friction: Coulomb friction, or a load.
+    fn one_way_n(&self, [mass_kg, viscous]: [f64; 2]) -> f64 {
+        let Smooth { acceleration, velocity, .. } = &self.motor;
+        let beside = self.force.value.iter().zip(acceleration).zip(velocity);
+        let mean_n = numerics::mean(beside.map(|((force_n, a), v)| force_n - mass_kg * a - viscous * v));
+        mean_n * numerics::mean(velocity.iter().copied()).signum()
+    }
+}
+
+fn rigid_with(logs: &[Smoothed], slip_m: f64) -> Option<Solution<3>> {
     let mut regression = Regression::default();
-    for [motor, force] in logs {
+    for Smoothed { motor, force, .. } in logs {
         let aged = |values: &[f64]| delayed_linear(values, FORCE_AGE);
         let (acceleration, velocity) = (aged(&motor.acceleration), aged(&motor.velocity));
         let direction = aged(&direction::of(&motor.value, slip_m));

@@ -47,6 +47,9 @@ const HALF_WIDTHS: f64 = 3.0;
 /// Smallest tolerance, percent, of a value of the mechanics and of a setting of the controller.
 const LEAST_PERCENT: [f64; 2] = [2.0, 0.5];
 
+/// Tolerance of a value of a regression alone, percent. The inertia of HSM150 is 11 % above that of its catalogue.
+const REGRESSION_PERCENT: f64 = 20.0;
+
 /// Half width, relative, of the gains of a loop that commands the velocity of an unknown drive, if the logs show only the lag that both
 /// have together.
 const OF_UNKNOWN_DRIVE: f64 = 0.25;
@@ -332,6 +335,7 @@ fn with_tolerances(
         let tolerance_percent = match origin {
             Origin::Known => None,
             Origin::Usual => Some(USUAL_PERCENT),
+            Origin::Regression => Some(REGRESSION_PERCENT),
             Origin::Logs if key.is_poorly_determined() => Some(USUAL_PERCENT),
             Origin::Logs => {
                 Some((100.0 * HALF_WIDTHS * half_width.unwrap_or(1.0)).clamp(least, FIRST_PERCENT).ceil())

@@ -24,6 +24,8 @@ pub enum Origin {
     Known,
     /// The logs show it.
     Logs,
+    /// The logs show it to a regression over a filter that is longer than that of a trace, whose fit it would mislead.
+    Regression,
     /// It is a usual value: the logs hardly show it.
     Usual,
 }
@@ -105,6 +107,12 @@ impl Rough {
 
     fn add_mechanics(&mut self, logs: &[&AxisSignals], sample_s: f64) {
         let Some(rigid) = mechanics::rigid(logs, sample_s) else { return };
+        if rigid.is_noisy {
+            self.set("table_mass_kg", Some(rigid.mass_kg), Origin::Regression);
+            self.set("viscous_n_s_per_m", Some(rigid.viscous_n_s_per_m), Origin::Regression);
+            self.set("coulomb_n", Some(rigid.coulomb_n), Origin::Regression);
+            return;
+        }
         self.set("viscous_n_s_per_m", Some(rigid.viscous_n_s_per_m), Origin::Logs);
         if let Some(elastic) = mechanics::elastic(logs, &rigid) {
             self.add_elastic(&rigid, &elastic);
@@ -198,6 +206,7 @@ impl Rough {
         for (key, known) in TOLERATED.iter().zip(known) {
             match self.origins.get(key.key) {
                 Some(Origin::Known) => (key.set_tolerance_percent)(tolerances, known),
+                Some(Origin::Regression) => (key.set_tolerance_percent)(tolerances, 0.0),
                 Some(_) => (key.set_tolerance_percent)(tolerances, percent),
                 None => {}
             }

@@ -3,7 +3,7 @@
 use model::axis::Settings;
 use model::effects::Stage;
 use trace::input::signals::AxisSignals;
-use trace::outcome::AxisTrace;
+use trace::outcome::{AxisTrace, StageResidual};
 use trace::validation::declared_value::DeclaredValue;
 
 use crate::mechanics::MOST_LEFT;
@@ -56,7 +56,10 @@ impl Spread {
 pub fn keep_shown(rough: &mut Rough, axis: &AxisTrace, declared: &Settings, spread: Spread) -> Vec<String> {
     let mut notes = Vec::new();
     let name = &axis.axis;
-    let part = |stage: Stage, of: f64| axis.residual(stage).map_or(0.0, |residual| residual.after.fit / of);
+    // Without the noise of the sensors, which an acceleration multiplies.
+    let excess =
+        |residual: &StageResidual| (residual.after.fit.powi(2) - residual.noise.powi(2)).max(0.0).sqrt();
+    let part = |stage: Stage, of: f64| axis.residual(stage).map_or(0.0, |residual| excess(residual) / of);
     let of_force = part(Stage::Force, spread.force_n);
     if of_force > MOST_LEFT {
         rough.forget_mechanics(declared);

@@ -34,7 +34,7 @@ pub fn file(initial: &Initial, logs: &[String]) -> String {
 fn comment(value: &Value) -> String {
     match value.origin {
         Origin::Known => String::new(),
-        Origin::Logs => format!("  # {}", from_logs(value)),
+        Origin::Logs | Origin::Regression => format!("  # {}", from_logs(value)),
         Origin::Usual => "  # usual value: these logs hardly show it".to_owned(),
     }
 }
@@ -58,7 +58,7 @@ pub fn summary(initial: &Initial) -> String {
             };
             let origin = match value.origin {
                 Origin::Known => "declared".to_owned(),
-                Origin::Logs => from_logs(value),
+                Origin::Logs | Origin::Regression => from_logs(value),
                 Origin::Usual => "usual value: the logs hardly show it".to_owned(),
             };
             text += &format!("  {key:<30} {number:>12}  {origin}\n");
