@@ -5,19 +5,20 @@
 //!
 //! 1. [`rough`]: first values by linear regressions: [`mechanics`] from force, motor and table, the loops from command, motor and
 //!    force ([`control_loop`]) or without a force ([`velocity_loop`]).
-//! 2. [`refine`]: the fit of the tracer, from these values, for each form of the loops; the form that leaves least is kept.
-//! 3. [`shown`]: what the logs do not determine is left unknown. [`period`]: an error that repeats over the position, if the
-//!    lead is not known.
+//! 2. [`form`]: traces from these values, for each form of the loops; the form that leaves least is kept.
+//! 3. [`initial`]: the values are fitted and get their tolerances. What the logs do not determine is left unknown ([`shown`]); an error that
+//!    repeats over the position is told if the lead is not known ([`period`]).
 //! 4. [`written`]: the file with a comment for each value.
 //!
 //! What logs cannot show stays unknown: the lead of a screw, limits, and with one channel missing what only that shows.
 
 pub mod control_loop;
 pub mod direction;
+pub mod form;
+pub mod initial;
 pub mod known;
 pub mod mechanics;
 pub mod period;
-pub mod refine;
 pub mod regression;
 pub mod rough;
 pub mod shown;
@@ -30,7 +31,7 @@ use indexmap::IndexMap;
 use model::axis::Settings;
 use model::machine::{Axis, Machine};
 
-pub use refine::{Initial, machine};
+pub use initial::{Initial, machine};
 
 /// A machine of which nothing is known but the axes and the rate of its logs.
 ///

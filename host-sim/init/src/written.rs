@@ -3,7 +3,7 @@
 use model::axis::{Drive, Tolerated};
 use model::machine::Axis;
 
-use crate::refine::{Initial, Value};
+use crate::initial::{Initial, Value};
 use crate::rough::Origin;
 
 /// The text of the file, from the names of the logs.

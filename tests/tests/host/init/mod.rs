@@ -5,7 +5,7 @@ mod drives;
 mod measured;
 
 use files::log::Log;
-use init::refine::Initial;
+use init::Initial;
 use model::machine::Machine;
 use trace::Trace;
 
