@@ -30,9 +30,9 @@ const LEAST_PERCENT: [f64; 2] = [2.0, 0.5];
 /// Tolerance of a value of a regression alone, percent. The inertia of HSM150 is 11 % above that of its catalogue.
 const REGRESSION_PERCENT: f64 = 20.0;
 
-/// Half width, relative, of the gains of a loop that commands the velocity of an unknown drive, if the logs show only the lag that both
-/// have together.
-const OF_UNKNOWN_DRIVE: f64 = 0.25;
+/// Smallest half width, relative, of the gains of a loop that commands the velocity of an unknown drive: where another gain describes the motor
+/// worse, and where only the lag that both have together is shown. The drive is never just what its model is.
+const OF_UNKNOWN_DRIVE: [f64; 2] = [0.05, 0.25];
 
 /// Tolerance of a usual value, percent: zero to twice it.
 const USUAL_PERCENT: f64 = 100.0;
@@ -105,19 +105,26 @@ pub fn machine(known: &Machine, logs: &[Log], progress: &Progress<'_>) -> Result
     if !has_loops {
         machine.velocity_loop_rate_hz = known.velocity_loop_rate_hz;
     }
-    notes.extend(unknown(&machine, &last, known.velocity_loop_rate_hz.is_none()));
+    notes.extend(unknown(&machine, &last, known));
     Ok(Initial { machine, values, notes })
 }
 
-/// What stays unknown, and the rate of the velocity loop if it was found.
-fn unknown(machine: &Machine, last: &Trace, is_rate_found: bool) -> Vec<String> {
+/// What stays unknown, and what was assumed: kinds of drives, the rate of the velocity loop.
+fn unknown(machine: &Machine, last: &Trace, known: &Machine) -> Vec<String> {
     let mut notes = Vec::new();
-    if let (Some(rate_hz), true) = (machine.velocity_loop_rate_hz, is_rate_found) {
+    if let (Some(rate_hz), None) = (machine.velocity_loop_rate_hz, known.velocity_loop_rate_hz) {
         notes.push(format!(
             "The velocity loop is taken to run at {rate_hz} Hz, which leaves least of the motor."
         ));
     }
     for (index, (name, axis)) in machine.axis.iter().enumerate() {
+        let drive = axis.settings.controller.drive;
+        if drive != known.axis[name].settings.controller.drive {
+            let word = drive.word();
+            notes.push(format!(
+                "{name}: drive = \"{word}\" is assumed from the channels of the logs; --set {name}.drive=… says another."
+            ));
+        }
         let is_linear = last.axes[index].unit == Unit::Millimetre;
         if axis.settings.mechanics.lead_mm.is_none() && is_linear {
             let seen = period::strongest(last, index).map_or(String::new(), |[period_mm, amplitude_um]| {
@@ -149,7 +156,13 @@ fn with_tolerances(
         let fitted = axis.declared_values.iter().find(|value| value.key == key.key);
         let half_width =
             fitted.map(|value| value.half_width / value.fitted).filter(|width| width.is_finite());
-        let half_width = half_width.map(|width| width.max(if shows_gain { 0.0 } else { OF_UNKNOWN_DRIVE }));
+        let [of_shown, of_lag] = OF_UNKNOWN_DRIVE;
+        let smallest = match rough.settings.controller.drive {
+            Drive::Velocity if shows_gain => of_shown,
+            Drive::Velocity => of_lag,
+            _ => 0.0,
+        };
+        let half_width = half_width.map(|width| width.max(smallest));
         let [of_mechanics, of_controller] = LEAST_PERCENT;
         let least = if key.is_of_controller { of_controller } else { of_mechanics };
         let tolerance_percent = match origin {

@@ -49,7 +49,7 @@ impl<const N: usize> Regression<N> {
         self.samples += count;
     }
 
-    /// The same data with M other columns, each a sum of these columns with the factors of a column of `factors`.
+    /// A regression on the data of this one with M other columns, each a sum of these columns with the factors of a column of `factors`.
     #[must_use]
     pub fn combined<const M: usize>(&self, factors: &SMatrix<f64, N, M>) -> Regression<M> {
         Regression {

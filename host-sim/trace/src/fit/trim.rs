@@ -53,7 +53,7 @@ const LARGEST_FRICTION_M_PER_S2: f64 = 30.0;
 const FIRST_TIME_CONSTANT_MS: f64 = 3.0;
 const FIRST_INTEGRAL_PER_S: f64 = 30.0;
 
-/// Other first values of the same: without an integral part, and slower and faster drives.
+/// Other first values of time constant and integral rate: without an integral part, and slower and faster drives.
 pub const FIRST_DRIVES: [[f64; 2]; 4] = [[3.0, 0.0], [10.0, 0.0], [10.0, 30.0], [1.0, 0.0]];
 
 /// Longest dead time of a drive whose velocity or position is commanded, in samples.
