@@ -55,12 +55,6 @@ struct Reading {
     direction: Option<f64>,
 }
 
-/// Whether a table with these columns is one of radii, and no log.
-#[must_use]
-pub fn is_radius_table(names: &[String]) -> bool {
-    names.iter().any(|name| name == "radius_mm" || name == "radius_um")
-}
-
 impl Columns {
     fn of(table: &Table<'_>) -> Result<Self, InputError> {
         const ALLOWED: &str = "one of each of radius_mm or radius_um, angle_deg, time_s, direction";

@@ -34,7 +34,7 @@ enum Whose {
 /// Reads a log; `-` is standard input, and gzip is recognised.
 ///
 /// # Errors
-/// Of our own log as [`Log::read`], of any other file as [`crate::import`], with what reads a foreign one if `request` is empty.
+/// Of our own log as [`Log::read`], of any other file as [`foreign`], with what reads a foreign one if `request` is empty.
 pub fn read(path: &Path, request: &Request) -> Result<Imported, InputError> {
     let source = path.display().to_string();
     of_head(Head::open(path, &source)?, &source, request)

@@ -38,7 +38,7 @@ pub struct BallbarTable {
 /// Whether these columns are those of a ballbar's table that `lost-motion circle` reads as it is.
 #[must_use]
 pub fn is_own(names: &[String]) -> bool {
-    names.iter().any(|name| is_radius(name)) && names.iter().all(|name| COLUMNS.contains(&name.as_str()))
+    has_radius(names) && names.iter().all(|name| COLUMNS.contains(&name.as_str()))
 }
 
 /// Whether a column or a mapping says that a table is one of a ballbar.
@@ -46,6 +46,12 @@ pub fn is_own(names: &[String]) -> bool {
 pub fn is_asked(table: &ForeignTable, request: &Request) -> bool {
     let mut mapped = request.mappings.iter().map(|mapping| &mapping.ours);
     mapped.any(|ours| is_radius(ours)) || table.columns.iter().any(|column| is_radius(&column.name))
+}
+
+/// Whether a table with these columns is one of radii, and no log.
+#[must_use]
+pub fn has_radius(names: &[String]) -> bool {
+    names.iter().any(|name| is_radius(name))
 }
 
 fn is_radius(name: &str) -> bool {

@@ -41,8 +41,6 @@ pub mod text;
 pub mod twincat;
 pub mod unit;
 
-use std::path::Path;
-
 use ballbar::BallbarTable;
 use files::error::InputError;
 use files::log::Log;
@@ -67,19 +65,10 @@ pub enum Foreign {
     Ballbar(BallbarTable),
 }
 
-/// Reads a foreign file; `-` is standard input, and gzip is recognised.
-///
-/// # Errors
-/// If the file cannot be read, has no table of numbers, or lacks a column or a time that was asked for.
-pub fn import(path: &Path, request: &Request) -> Result<Foreign, InputError> {
-    let source = path.display().to_string();
-    foreign(&text::read(path, &source)?, &source, request)
-}
-
 /// Reads a foreign log or table of radii from its bytes; `source` is its name for messages.
 ///
 /// # Errors
-/// As [`import`].
+/// If it has no table of numbers, or lacks a column or a time that was asked for.
 pub fn foreign(bytes: &[u8], source: &str, request: &Request) -> Result<Foreign, InputError> {
     let mut notes = Vec::new();
     let mut table = read::table(bytes, request.preset, source, &mut notes)?;
@@ -95,7 +84,7 @@ pub fn foreign(bytes: &[u8], source: &str, request: &Request) -> Result<Foreign,
 /// Reads a foreign log from its bytes; `source` is its name for messages.
 ///
 /// # Errors
-/// As [`import`], and a table of radii, which is no log.
+/// As [`foreign`], and a table of radii, which is no log.
 pub fn of_bytes(bytes: &[u8], source: &str, request: &Request) -> Result<Imported, InputError> {
     match foreign(bytes, source, request)? {
         Foreign::Log(imported) => Ok(imported),

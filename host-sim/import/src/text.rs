@@ -1,19 +1,6 @@
 //! Bytes to text.
 
-use std::path::Path;
-
 use files::error::InputError;
-use files::segments::open;
-
-use crate::budget::Budget;
-
-/// Reads a file into memory, unpacked.
-///
-/// # Errors
-/// If the file cannot be read, or is larger than 512 MiB unpacked.
-pub fn read(path: &Path, source: &str) -> Result<Vec<u8>, InputError> {
-    Budget::file().read(open(path, source)?, source)
-}
 
 /// The text of a file: UTF-8, UTF-16 with a byte order mark, or else Latin-1, in which instruments write µ and °.
 ///

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use shared::control::hpc::{Hpc, State};
 
 use crate::mechanics::MOST_LEFT;
-use crate::regression::{Regression, Solution};
+use crate::regression::{Regression, Solution, inner};
 use model::axis::{Feedback, Law};
 use trace::input::signals::AxisSignals;
 
@@ -38,9 +38,6 @@ const DUAL_RATIO: f64 = 1.5;
 /// A law and feedback that leaves more than this many times what the best leaves is not the one.
 const WORST_KIND: f64 = 1.5;
 
-/// Samples at either end of a log, where differences have no neighbours.
-const MARGIN: usize = 20;
-
 /// What is known of the loop.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Known {
@@ -61,8 +58,6 @@ pub struct LoopSettings {
     pub feedback: Feedback,
     /// Time constant of dual feedback, s.
     pub dual_s: Option<f64>,
-    /// Ticks of the velocity loop per sample.
-    pub divider: u32,
     /// Kp, 1/s.
     pub position_gain_per_s: f64,
     /// Kf, percent.
@@ -180,31 +175,21 @@ fn fitted(logs: &[&AxisSignals], sample_s: f64, form: Form) -> Option<LoopSettin
 
 /// The linear settings with 1/Ti, 1/s. With a filter its Kp is that of the loop.
 fn settings(regression: &Regression<6>, rate: f64, form: Form) -> Option<LoopSettings> {
-    let zero = 0.0;
+    // Each column with its integral.
+    let factor = |row: usize, column: usize| match row {
+        own if own == column => 1.0,
+        integral if integral == column + 3 => rate,
+        _ => 0.0,
+    };
+    let regression = regression.combined(&SMatrix::<f64, 6, 3>::from_fn(factor));
     let (values, rms_n, left) = match form.filter_per_s {
         None => {
-            let factors = SMatrix::<f64, 6, 3>::from_row_slice(&[
-                1.0, zero, zero, zero, 1.0, zero, zero, zero, 1.0, rate, zero, zero, zero, rate, zero, zero,
-                zero, rate,
-            ]);
-            let Solution { values, rms, left } = regression.combined(&factors).solve()?;
+            let Solution { values, rms, left } = regression.solve()?;
             (values, rms, left)
         }
         Some(kp) => {
-            let factors = SMatrix::<f64, 6, 2>::from_row_slice(&[
-                kp,
-                zero,
-                zero,
-                1.0,
-                1.0,
-                zero,
-                rate * kp,
-                zero,
-                zero,
-                rate,
-                rate,
-                zero,
-            ]);
+            // Kp·e − velocity is one column, the feed-forward the other.
+            let factors = SMatrix::<f64, 3, 2>::new(kp, 0.0, 0.0, 1.0, 1.0, 0.0);
             let Solution { values: [gain, feed], rms, left } = regression.combined(&factors).solve()?;
             ([gain * kp, feed, gain], rms, left)
         }
@@ -216,7 +201,6 @@ fn settings(regression: &Regression<6>, rate: f64, form: Form) -> Option<LoopSet
         law,
         feedback: form.feedback,
         dual_s: form.dual_s,
-        divider: form.divider,
         position_gain_per_s: position / velocity,
         feedforward_percent: (100.0 * feed / velocity).clamp(0.0, 200.0),
         velocity_gain_n_s_per_m: velocity,
@@ -250,8 +234,7 @@ fn add(regression: &mut Regression<6>, log: &AxisSignals, sample_s: f64, form: F
         let [ia, ib, ic] = integrals;
         rows.push(([a, b, c, ia, ib, ic], force.raw[i]));
     }
-    let inner = MARGIN..rows.len().saturating_sub(MARGIN);
-    regression.add_log(rows[inner].iter().copied());
+    regression.add_log(rows[inner(rows.len())].iter().copied());
 }
 
 /// The position feedback, m; `None` without its channel.

@@ -1,7 +1,9 @@
 //! The direction that friction takes from a motion: its sign, or where friction yields before it slides, a value between.
 //!
-//! Dahl's model: dz/dx = (1 − z·sign(dx))/slip. Over the distance `slip` after a reversal, z covers 1 − 2/e of the way from one
+//! Dahl's model, [`friction_direction`]. Over the distance `slip` after a reversal, z covers 1 − 2/e of the way from one
 //! sign to the other. `LuGre` friction at low speed is the same with slip = Coulomb friction / σ0.
+
+use trace::prediction::friction_direction;
 
 /// z at each sample of a motion, −1 to 1. With a slip of zero it is the sign of the last motion, 0 before the first.
 #[must_use]
@@ -12,9 +14,7 @@ pub fn of(position_m: &[f64], slip_m: f64) -> Vec<f64> {
         let moved = position - before;
         before = position;
         if moved != 0.0 {
-            let towards = moved.signum();
-            let left = if slip_m > 0.0 { (-moved.abs() / slip_m).exp() } else { 0.0 };
-            direction = towards + (direction - towards) * left;
+            direction = friction_direction::after(direction, moved, slip_m);
         }
         direction
     };

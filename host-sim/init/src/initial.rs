@@ -114,7 +114,7 @@ fn unknown(machine: &Machine, last: &Trace, known: &Machine) -> Vec<String> {
     let mut notes = Vec::new();
     if let (Some(rate_hz), None) = (machine.velocity_loop_rate_hz, known.velocity_loop_rate_hz) {
         notes.push(format!(
-            "The velocity loop is taken to run at {rate_hz} Hz, which leaves least of the motor."
+            "The velocity loop is taken to run at {rate_hz} Hz: with this rate the fitted motor position deviates least."
         ));
     }
     for (index, (name, axis)) in machine.axis.iter().enumerate() {

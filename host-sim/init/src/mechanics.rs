@@ -10,7 +10,7 @@ use trace::input::signals::AxisSignals;
 use trace::input::smoothing::Smooth;
 
 use crate::direction;
-use crate::regression::{Regression, Solution};
+use crate::regression::{Regression, Solution, inner};
 
 /// Slips that are tried, m: Coulomb friction over the stiffness before sliding. Most guideways yield by 1 to 20 µm.
 const SLIPS_M: [f64; 10] = [0.0, 0.5e-6, 1e-6, 2e-6, 3e-6, 5e-6, 8e-6, 12e-6, 20e-6, 40e-6];
@@ -27,9 +27,6 @@ const MOST_NOISE: f64 = 0.25;
 
 /// Half widths of these filters, samples.
 const WIDTHS: [usize; 6] = [5, 10, 20, 40, 80, 160];
-
-/// Samples at either end of a log, where the filters have no neighbours.
-const MARGIN: usize = 20;
 
 /// Parts of the mass and of the Coulomb friction that may be the motor's, with the screw.
 const MOTOR_MASSES: [f64; 12] = [0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.7];
@@ -123,7 +120,7 @@ fn rigid_with(logs: &[Smoothed], slip_m: f64) -> Option<Solution<3>> {
         let aged = |values: &[f64]| delayed_linear(values, FORCE_AGE);
         let (acceleration, velocity) = (aged(&motor.acceleration), aged(&motor.velocity));
         let direction = aged(&direction::of(&motor.value, slip_m));
-        let rows = MARGIN..force.value.len().saturating_sub(MARGIN);
+        let rows = inner(force.value.len());
         regression.add_log(rows.map(|i| ([acceleration[i], direction[i], velocity[i]], force.value[i])));
     }
     regression.solve().or_else(|| without_reversal(&regression))
@@ -182,8 +179,8 @@ fn stretched(
                 + (1.0 - friction_part) * rigid.coulomb_n * direction[i]
                 + rigid.viscous_n_s_per_m * motor.velocity[i]
         };
-        let inner = MARGIN..motor.value.len().saturating_sub(MARGIN);
-        let rows = inner.map(|i| (i, force_n(i))).filter(|(_, force_n)| force_n.abs() > least_n);
+        let rows =
+            inner(motor.value.len()).map(|i| (i, force_n(i))).filter(|(_, force_n)| force_n.abs() > least_n);
         regression.add_log(rows.map(|(i, force_n)| {
             ([force_n, force_n.signum(), motor.velocity[i]], motor.value[i] - table.value[i])
         }));

@@ -1,6 +1,17 @@
 //! Linear least squares over several logs, each with a constant of its own.
 
+use std::ops::Range;
+
 use nalgebra::{SMatrix, SVector};
+
+/// Samples at either end of a log, where filters and differences have no neighbours.
+const MARGIN: usize = 20;
+
+/// The samples of a log of this length that take part.
+#[must_use]
+pub fn inner(samples: usize) -> Range<usize> {
+    MARGIN..samples.saturating_sub(MARGIN).max(MARGIN)
+}
 
 /// Sums of products of N columns and a right-hand side, without the means of each log.
 #[derive(Clone, Debug)]

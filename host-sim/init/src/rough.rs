@@ -39,16 +39,15 @@ pub struct Rough {
     pub origins: BTreeMap<&'static str, Origin>,
     /// Effects that are fitted beside the values, which would otherwise imitate them. They are no part of the file.
     pub beside: Vec<Effect>,
-    /// Ticks of the velocity loop per sample that suit the logs best.
-    pub divider: Option<u32>,
 }
 
 /// First values of an axis for each form of its loops that suits the logs, the best first; one if the loops are known or not shown.
+/// `divider` is the number of ticks of the velocity loop per sample, if it is declared.
 #[must_use]
 pub fn of(declared: &Axis, logs: &[&AxisSignals], sample_s: f64, divider: Option<u32>) -> Vec<Rough> {
     let known = &declared.settings;
     let beside = declared.effect.clone();
-    let mut rough = Rough { settings: known.clone(), origins: BTreeMap::new(), beside, divider };
+    let mut rough = Rough { settings: known.clone(), origins: BTreeMap::new(), beside };
     for key in TOLERATED.iter().filter(|key| (key.get)(known).is_some()) {
         rough.origins.insert(key.key, Origin::Known);
     }
@@ -148,7 +147,6 @@ impl Rough {
         let mut rough = self.clone();
         rough.settings.controller.law.get_or_insert(found.law);
         rough.settings.sensors.feedback = found.feedback;
-        rough.divider = Some(found.divider);
         rough.set("position_gain_per_s", Some(found.position_gain_per_s), Origin::Logs);
         rough.set("feedforward_percent", Some(found.feedforward_percent), Origin::Logs);
         rough.set("velocity_gain_n_s_per_m", Some(found.velocity_gain_n_s_per_m), Origin::Logs);

@@ -34,16 +34,14 @@ impl Spread {
     /// The spread of an axis.
     #[must_use]
     pub fn of(logs: &[&AxisSignals]) -> Self {
-        let deviation = |values: Vec<f64>| numerics::mean_and_deviation(&values).1;
+        let deviation = |values: &[f64]| numerics::mean_and_deviation(values).1;
         let following = |log: &&AxisSignals| {
             let (command, motor) = log.command.as_ref().zip(log.motor.as_ref())?;
-            Some(
-                1e6 * deviation(
-                    command.iter().zip(&motor.raw).map(|(command, motor)| command - motor).collect(),
-                ),
-            )
+            let errors: Vec<f64> =
+                command.iter().zip(&motor.raw).map(|(command, motor)| command - motor).collect();
+            Some(1e6 * deviation(&errors))
         };
-        let force = |log: &&AxisSignals| Some(deviation(log.force.as_ref()?.raw.clone()));
+        let force = |log: &&AxisSignals| Some(deviation(&log.force.as_ref()?.raw));
         Self {
             following_um: numerics::rms(logs.iter().filter_map(following)),
             force_n: numerics::rms(logs.iter().filter_map(force)),
@@ -65,7 +63,7 @@ pub fn keep_shown(rough: &mut Rough, axis: &AxisTrace, declared: &Settings, spre
         rough.forget_mechanics(declared);
         let percent = 100.0 * of_force;
         return vec![format!(
-            "{name}: masses and friction are left unknown, as they leave {percent:.0} % of the force: something else moves this axis."
+            "{name}: masses and friction stay unknown: a model with them does not describe {percent:.0} % of the force."
         )];
     }
     let of_following = part(Stage::Motor, spread.following_um);
@@ -73,7 +71,7 @@ pub fn keep_shown(rough: &mut Rough, axis: &AxisTrace, declared: &Settings, spre
         rough.forget_loops(declared);
         let percent = 100.0 * of_following;
         notes.push(format!(
-            "{name}: the loops are left unknown, as their model leaves {percent:.0} % of the following error."
+            "{name}: the loops stay unknown: their model does not describe {percent:.0} % of the following error."
         ));
     }
     let is_wide =
@@ -83,9 +81,7 @@ pub fn keep_shown(rough: &mut Rough, axis: &AxisTrace, declared: &Settings, spre
     if is_elastic && wide.iter().any(|key| ["coulomb_n", "viscous_n_s_per_m"].contains(key)) {
         // Friction is what a force shows best: a stiffness that leaves it open is one of another mechanism.
         rough.forget_mechanics(declared);
-        notes.push(format!(
-            "{name}: masses and friction are left unknown, as the logs do not determine them."
-        ));
+        notes.push(format!("{name}: masses and friction stay unknown: the logs do not determine them."));
         return notes;
     }
     if is_elastic && wide.iter().any(|key| OF_DIVISION.contains(key)) {
@@ -96,7 +92,7 @@ pub fn keep_shown(rough: &mut Rough, axis: &AxisTrace, declared: &Settings, spre
     } else {
         for key in wide {
             rough.forget_value(key);
-            notes.push(format!("{name}: {key} is left unknown, as the logs do not determine it."));
+            notes.push(format!("{name}: {key} stays unknown: the logs do not determine it."));
         }
     }
     // Friction yields over its size divided by the stiffness: without the one there is no other.

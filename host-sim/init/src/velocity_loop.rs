@@ -2,11 +2,8 @@
 //!
 //! A drive of the time constant τ moves with v + τ·a = Kp·e + Kf·command'.
 
-use crate::regression::{Regression, Solution};
+use crate::regression::{Regression, Solution, inner};
 use trace::input::signals::AxisSignals;
-
-/// Samples at either end of a log, where the filters have no neighbours.
-const MARGIN: usize = 20;
 
 /// Settings of such a loop.
 #[derive(Clone, Copy, Debug)]
@@ -25,15 +22,14 @@ pub fn settings(logs: &[&AxisSignals], sample_s: f64) -> Option<VelocityLoop> {
         let (Some(command), Some(motor)) = (&log.command, &log.motor) else { continue };
         let last = command.len().saturating_sub(1);
         let command_velocity = |i: usize| (command[(i + 1).min(last)] - command[i - 1]) / (2.0 * sample_s);
-        let rows = MARGIN..command.len().saturating_sub(MARGIN);
+        let rows = inner(command.len());
         regression.add_log(rows.map(|i| {
             let columns = [command[i] - motor.value[i], command_velocity(i), motor.acceleration[i]];
             (columns, motor.velocity[i])
         }));
     }
-    let Solution { values: [gain, feed, _], .. } = regression.solve()?;
-    let position_gain_per_s = gain;
-    (gain > 0.0).then_some(VelocityLoop {
+    let Solution { values: [position_gain_per_s, feed, _], .. } = regression.solve()?;
+    (position_gain_per_s > 0.0).then_some(VelocityLoop {
         position_gain_per_s,
         feedforward_percent: (100.0 * feed).clamp(0.0, 200.0),
     })

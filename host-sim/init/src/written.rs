@@ -22,27 +22,26 @@ pub fn file(initial: &Initial, logs: &[String]) -> String {
         let key = line.split_once(" = ").map(|(key, _)| key);
         let value = initial.values.iter().find(|((name, own), _)| *name == axis && Some(*own) == key);
         text += line;
-        if let Some((_, value)) = value {
-            text += &comment(value);
+        if let Some((_, value)) = value.filter(|(_, value)| value.origin != Origin::Known) {
+            text += &format!("  # {}", value.source());
         }
         text.push('\n');
     }
     text
 }
 
-/// The end of a line of the file.
-fn comment(value: &Value) -> String {
-    match value.origin {
-        Origin::Known => String::new(),
-        Origin::Logs | Origin::Regression => format!("  # {}", from_logs(value)),
-        Origin::Usual => "  # usual value: these logs hardly show it".to_owned(),
+impl Value {
+    /// Where the value comes from, in words.
+    fn source(&self) -> String {
+        match (self.origin, self.half_width) {
+            (Origin::Known, _) => "declared".to_owned(),
+            (Origin::Usual, _) => "usual value: the logs hardly show it".to_owned(),
+            (Origin::Logs | Origin::Regression, None) => "from the logs".to_owned(),
+            (Origin::Logs | Origin::Regression, Some(half_width)) => {
+                format!("± {:.2} % from the logs", 100.0 * half_width)
+            }
+        }
     }
-}
-
-fn from_logs(value: &Value) -> String {
-    value.half_width.map_or("from the logs".to_owned(), |half_width| {
-        format!("± {:.2} % from the logs", 100.0 * half_width)
-    })
 }
 
 /// What was found and what stays unknown: a sentence for each axis, then its values.
@@ -56,12 +55,7 @@ pub fn summary(initial: &Initial) -> String {
             let Some(number) = tolerated.and_then(|tolerated| (tolerated.get)(&axis.settings)) else {
                 continue;
             };
-            let origin = match value.origin {
-                Origin::Known => "declared".to_owned(),
-                Origin::Logs | Origin::Regression => from_logs(value),
-                Origin::Usual => "usual value: the logs hardly show it".to_owned(),
-            };
-            text += &format!("  {key:<30} {number:>12}  {origin}\n");
+            text += &format!("  {key:<30} {number:>12}  {}\n", value.source());
         }
     }
     for note in &initial.notes {

@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 
 use super::logs;
-use super::outputs::{Output, check_outputs, print, write_json};
+use super::outputs::{check_json_and_page, print, write_json};
 use super::progress::Progress;
 use super::reading::ReadingArguments;
 use ::circle::measured::Measured;
-use ::circle::radius_table::{Nominal, is_radius_table};
+use ::circle::radius_table::Nominal;
 use ::circle::{analyse, json, text};
 use ::import::request::Request;
-use ::import::{Foreign, any_log};
+use ::import::{Foreign, any_log, ballbar};
 use files::error::{InputError, quoted};
 use files::head::Head;
 use files::log::Log;
@@ -52,10 +52,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let inputs: Vec<&Path> = arguments.log.iter().map(PathBuf::as_path).collect();
     let page = pages::file_in(arguments.report.as_ref());
-    check_outputs(
-        &inputs,
-        &[Output::File("--json", arguments.json.as_ref()), Output::InNewFolder("--report", page.as_ref())],
-    )?;
+    check_json_and_page(&inputs, arguments.json.as_ref(), page.as_ref())?;
     let progress = Progress::start();
     progress.show("reading");
     let measured = read(arguments)?;
@@ -106,7 +103,7 @@ fn read(arguments: &Arguments) -> Result<Measured, InputError> {
 /// Opens a file. What was assumed of a foreign one is told on stderr.
 fn input<'a>(path: &Path, source: &'a str, request: &Request) -> Result<Input<'a>, InputError> {
     let head = Head::open(path, source)?;
-    if is_radius_table(&head.names()) {
+    if ballbar::has_radius(&head.names()) {
         return Ok(Input::Table(Box::new(Table::of_input(head.into_input(), source)?)));
     }
     match any_log::log_or_ballbar(head, source, request)? {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
-use super::outputs::{Output, check_outputs, print, write_json};
+use super::outputs::{check_json_and_page, print, write_json};
 use super::progress::Progress;
 use files::error::InputError;
 use lockstep::emulator::{self, DEFAULT_TIMEOUT, Emulator};
@@ -45,10 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(InputError::expected("--hours", expected, arguments.hours).into());
     }
     let page = pages::file_in(arguments.report.as_ref());
-    check_outputs(
-        &[],
-        &[Output::File("--json", arguments.json.as_ref()), Output::InNewFolder("--report", page.as_ref())],
-    )?;
+    check_json_and_page(&[], arguments.json.as_ref(), page.as_ref())?;
     let (emulator, not_counted) = emulator(arguments)?;
     let progress = Progress::start();
     let options = Options { hours: arguments.hours, emulator };

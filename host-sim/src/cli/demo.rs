@@ -6,7 +6,7 @@ use anyhow::Result;
 
 use serde_json::json;
 
-use super::outputs::{Output, check_outputs, print, write_json};
+use super::outputs::{check_json_and_page, print, write_json};
 use super::progress::Progress;
 use super::summary;
 use compensate::limits::Limit;
@@ -48,10 +48,7 @@ pub struct Arguments {
 /// If the simulated machine does not run, or an output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let page = pages::file_in(Some(&arguments.report));
-    check_outputs(
-        &[],
-        &[Output::File("--json", arguments.json.as_ref()), Output::InNewFolder("--report", page.as_ref())],
-    )?;
+    check_json_and_page(&[], arguments.json.as_ref(), page.as_ref())?;
     if let Some(count) = arguments.machines {
         return round_trips(arguments, count);
     }

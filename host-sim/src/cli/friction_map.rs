@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
-use super::outputs::{Output, check_outputs, print, write_json};
+use super::outputs::{check_json_and_page, print, write_json};
 use files::error::InputError;
 use friction_map::json::json;
 use friction_map::residual_analysis::analyse;
@@ -17,10 +17,7 @@ use report::friction_map::sentences::{error_table, sentences, unexplained};
 /// Input that cannot be used, output that cannot be written.
 pub fn run(path: &Path, json_path: Option<&PathBuf>, folder: Option<&PathBuf>) -> Result<()> {
     let page = pages::file_in(folder);
-    check_outputs(
-        &[path],
-        &[Output::File("--json", json_path), Output::InNewFolder("--report", page.as_ref())],
-    )?;
+    check_json_and_page(&[path], json_path, page.as_ref())?;
     let map = FrictionMap::read(path)?;
     let explanation = explain(&map).ok_or_else(|| {
         let expected = "runs that distinguish Coulomb from viscous friction";

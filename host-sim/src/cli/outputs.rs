@@ -53,6 +53,18 @@ pub fn check_outputs(inputs: &[&Path], outputs: &[Output<'_>]) -> anyhow::Result
     Ok(())
 }
 
+/// Checks the outputs of a command that writes JSON and a page, as [`check_outputs`]. `page` is the file in the folder of `--report`.
+///
+/// # Errors
+/// As [`check_outputs`].
+pub fn check_json_and_page(
+    inputs: &[&Path],
+    json: Option<&PathBuf>,
+    page: Option<&PathBuf>,
+) -> anyhow::Result<()> {
+    check_outputs(inputs, &[Output::File("--json", json), Output::InNewFolder("--report", page)])
+}
+
 /// Writes a result as JSON, if a path is given.
 ///
 /// # Errors
@@ -63,7 +75,8 @@ pub fn write_json(path: Option<&PathBuf>, value: &impl Serialize) -> anyhow::Res
     Ok(write_whole(path, |out| out.write_all(text.as_bytes()))?)
 }
 
-/// Prints the result on stdout, without control characters that a name in a file may have. A closed pipe is not an error: all files have been written before.
+/// Prints the result on stdout, without control characters that a name in a file may have. A closed pipe is not an error: all files have
+/// been written before.
 pub fn print(text: &str) -> anyhow::Result<()> {
     print_to_reader(text).map(drop)
 }

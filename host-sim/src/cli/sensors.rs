@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
-use super::outputs::{Output, check_outputs, print, write_json};
+use super::outputs::{check_json_and_page, print, write_json};
 use super::progress::Progress;
 use studies::sensors;
 
@@ -25,10 +25,7 @@ pub struct Arguments {
 /// A motion that cannot be simulated, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let page = pages::file_in(arguments.report.as_ref());
-    check_outputs(
-        &[],
-        &[Output::File("--json", arguments.json.as_ref()), Output::InNewFolder("--report", page.as_ref())],
-    )?;
+    check_json_and_page(&[], arguments.json.as_ref(), page.as_ref())?;
     let progress = Progress::start();
     let study = sensors::run(&|what| progress.show(what))?;
     drop(progress);

@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use serde_json::json;
 
 use super::logs;
-use super::outputs::{Output, check_outputs, print, write_json};
+use super::outputs::{check_json_and_page, print, write_json};
 use super::progress::Progress;
 use super::reading::ReadingArguments;
 use super::sound_logs::SoundLogs;
@@ -53,10 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let inputs: Vec<&Path> =
         logs.chain(&arguments.predicted).chain([&arguments.machine]).map(PathBuf::as_path).collect();
     let page = pages::file_in(arguments.report.as_ref());
-    check_outputs(
-        &inputs,
-        &[Output::File("--json", arguments.json.as_ref()), Output::InNewFolder("--report", page.as_ref())],
-    )?;
+    check_json_and_page(&inputs, arguments.json.as_ref(), page.as_ref())?;
     let machine = Machine::read(&arguments.machine)?;
     let compensation = arguments.predicted.as_deref().map(|file| CompensationFile::read(file, &machine));
     let compensation = compensation.transpose()?.unwrap_or_default();

@@ -1,7 +1,8 @@
 //! The settings of one axis as declared: controller, filters, limits, mechanics, sensors.
 //!
-//! In a machine file they are flat keys of the table `[axis.NAME]`. The module `keys` declares each key once, the module `tolerated` those that can have a tolerance. The structs
-//! in this module, the list [`KEYS`], and the table of the file in [`crate::machine`] are generated from it.
+//! In a machine file they are flat keys of the table `[axis.NAME]`. The module `keys` declares each key once, the module `tolerated`
+//! those that can have a tolerance. The structs in this module, the list [`KEYS`], and the table of the file in [`crate::machine`] are
+//! generated from them.
 
 mod keys;
 mod tolerated;

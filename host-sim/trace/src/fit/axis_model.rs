@@ -252,14 +252,14 @@ impl AxisModel {
         model
     }
 
-    /// This model, and with other first values of a drive whose velocity is commanded: the fit of its time constant, integral part and
-    /// dead time has several optima. Only this model for another drive, and for a file that a trace wrote.
+    /// This model with other first values of a drive whose velocity is commanded: the fit of its time constant, integral part and dead
+    /// time has several optima. None for another drive, and for a file that a trace wrote.
     #[must_use]
-    pub fn starts(&self, scope: &Scope) -> Vec<Self> {
+    pub fn other_starts(&self, scope: &Scope) -> Vec<Self> {
         let is_unknown = self.declared.settings.controller.drive == Drive::Velocity && !self.was_fitted();
         let others = if is_unknown && scope.stages.contains(&Stage::Motor) { &FIRST_DRIVES[..] } else { &[] };
         let other = |&drive: &[f64; 2]| Self { trims: self.trims.with_velocity_drive(drive), ..self.clone() };
-        std::iter::once(self.clone()).chain(others.iter().map(other)).collect()
+        others.iter().map(other).collect()
     }
 
     /// Parameters for the simulation of the axis.

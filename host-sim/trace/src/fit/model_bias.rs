@@ -70,13 +70,13 @@ pub fn first_fit(data: &FitData<'_>, start: &AxisModel, scope: &Scope) -> (Fitte
     (from_best_start(&FitData { bias: &bias, ..*data }, start, scope), bias)
 }
 
-/// Fits the free parameters of a scope from the best of the starts of a model.
+/// Fits the free parameters of a scope from a model, and from its other starts where one leaves less.
 #[must_use]
 pub fn from_best_start(data: &FitData<'_>, start: &AxisModel, scope: &Scope) -> Fitted {
     let fit = |start: &AxisModel| least_squares::fit(data, start, scope, least_squares::STEPS);
     let mut best = fit(start);
-    for other in &start.starts(scope)[1..] {
-        let other = fit(other);
+    for other in start.other_starts(scope) {
+        let other = fit(&other);
         let [kept, new] = [&best, &other].map(|fitted| log_rms(data, &fitted.residuals, scope));
         if new < kept - MIN_GAIN_OF_START {
             best = other;

@@ -1,5 +1,6 @@
 //! Wind-up of an axis without declared masses, computed from the measured force.
 
+use super::friction_direction;
 use crate::input::signals::AxisSignals;
 use plant::parameters::AxisParameters;
 
@@ -20,8 +21,7 @@ pub fn add_stretch(residual_um: &mut [f64], parameters: &AxisParameters, signals
         let step = position - last;
         last = position;
         if !signals.standstill.get(i).copied().unwrap_or(false) {
-            let sign = step.signum();
-            direction = sign + (direction - sign) * (-step.abs() / presliding_m).exp();
+            direction = friction_direction::after(direction, step, presliding_m);
         }
         direction
     });

@@ -2,13 +2,14 @@
 //!
 //! [`driven`] predicts table and force from the measured motor, [`closed_loop`] the motor from the command, and [`tool`]
 //! the tool point from the measured tables. [`velocity_drive`] predicts a motor whose velocity is commanded.
-//! [`force_windup`] replaces the mechanics if no masses are declared.
+//! [`force_windup`] replaces the mechanics if no masses are declared. [`friction_direction`] is that of a friction that yields.
 
 pub mod closed_loop;
 pub mod controller_readings;
 pub mod driven;
 pub mod force_sampling;
 pub mod force_windup;
+pub mod friction_direction;
 pub mod initial_state;
 pub mod resonant_response;
 pub mod table_motion;

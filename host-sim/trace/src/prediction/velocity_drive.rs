@@ -5,6 +5,7 @@
 //! friction over the mass f is the third, a dead time the fourth. They are fitted as part of the declared model. The friction reverses
 //! over micrometres: dh/dt = v/s·(1 − h·sign v) (Dahl, 1968).
 
+use super::friction_direction;
 use model::axis::Settings;
 use model::servo::ServoParameters;
 
@@ -90,18 +91,12 @@ impl Axis {
         self.advance(after, (1.0 - self.late) * sample_s);
     }
 
-    /// The friction after a travel, m: exactly for a travel in one direction.
-    fn turn_friction(&mut self, travel_m: f64) {
-        let sign = if travel_m < 0.0 { -1.0 } else { 1.0 };
-        self.direction = sign + (self.direction - sign) * (-travel_m.abs() / REVERSAL_M).exp();
-    }
-
     /// The drive with a constant command (m/s) for a time (s): its integral by steps, its lag exactly within each.
     fn advance(&mut self, command: f64, time_s: f64) {
         let step_s = time_s / STEPS as f64;
         let left = (-step_s / self.time_constant_s).exp();
         for _ in 0..STEPS {
-            self.turn_friction(self.velocity * step_s);
+            self.direction = friction_direction::after(self.direction, self.velocity * step_s, REVERSAL_M);
             // The velocity that the drive approaches.
             let end =
                 command + self.integral - self.time_constant_s * self.friction_m_per_s2 * self.direction;
