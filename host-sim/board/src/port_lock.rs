@@ -137,6 +137,14 @@ mod tests {
         assert_eq!(other_user_of(&path), None);
         let mut other =
             std::process::Command::new("sleep").arg("60").stdin(File::open(&path).unwrap()).spawn().unwrap();
+        // Between fork and exec the new process has no command line yet.
+        let command_line = format!("/proc/{}/cmdline", other.id());
+        for _ in 0..500 {
+            if fs::read(&command_line).is_ok_and(|line| line.starts_with(b"sleep")) {
+                break;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(10));
+        }
         let found = other_user_of(&path);
         other.kill().unwrap();
         other.wait().unwrap();

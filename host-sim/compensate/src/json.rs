@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use crate::plan::Plan;
 use crate::watched::Watched;
 
-/// `{"items": […], "not_compensated": […], "predicted": […], "watched": […], "beyond_mapped": […]}`; see `docs/files.md`.
+/// `{"items": […], "not_compensated": […], "predicted": […], "watched": […], "beyond_mapped": […], "assumed": […]}`; see `docs/files.md`.
 #[must_use]
 pub fn of(plan: &Plan) -> Value {
     let items: Vec<Value> = plan
@@ -44,5 +44,6 @@ pub fn of(plan: &Plan) -> Value {
         "predicted": predicted,
         "watched": plan.watched.iter().map(watched).collect::<Vec<_>>(),
         "beyond_mapped": beyond.collect::<Vec<_>>(),
+        "assumed": plan.assumed.iter().map(|assumed| json!({"axis": assumed.axis, "what": assumed.what})).collect::<Vec<_>>(),
     })
 }

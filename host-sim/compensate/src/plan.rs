@@ -18,8 +18,9 @@ use crate::watched::{Watch, Watched};
 use crate::{force, tables};
 use contour::ContourError;
 use contour::verification::Prediction;
-use model::axis::Law;
+use model::axis::{Drive, Law};
 use model::effects::Effect;
+use plant::equivalent::{self, Assumed};
 use plant::machine_path::MachinePath;
 use plant::parameters::AxisParameters;
 
@@ -28,6 +29,9 @@ const MIN_LOSS: f64 = 2e-3;
 
 /// How far the measured error may be from the predicted one, percent.
 const BOUND_PERCENT: f64 = 15.0;
+
+/// The same where the loops are not known, or the errors beyond a map.
+const UNKNOWN_PERCENT: f64 = 100.0;
 
 /// A compensation with its predictions.
 #[derive(Clone, Debug)]
@@ -42,6 +46,8 @@ pub struct Plan {
     pub watched: Vec<Watched>,
     /// The motions whose contour error counts that leave the mapped travel: their names, and on which axes.
     pub beyond: Vec<(String, Vec<Beyond>)>,
+    /// What the simulation assumes of axes whose loops or masses are not known.
+    pub assumed: Vec<Assumed>,
 }
 
 impl Planning<'_> {
@@ -80,7 +86,7 @@ impl Planning<'_> {
             without.map(|(part, before_um)| self.item((&part, &choice), before_um, after_um)).collect();
         let not_compensated = self.not_compensated(&choice.off, &LeftOut { idle, unknown, worse });
         let watched = watch.figures(&file)?;
-        Ok(Plan { file, items, not_compensated, watched, beyond })
+        Ok(Plan { file, items, not_compensated, watched, beyond, assumed: equivalent::of(self.model).1 })
     }
 
     /// The motions that leave the mapped travel of a file, by their names.
@@ -102,10 +108,11 @@ impl Planning<'_> {
         beyond: &[(String, Vec<Beyond>)],
     ) -> Result<Vec<Prediction>, PredictionError> {
         let mut predictions = prediction::predictions(self.model, file, self.tests, self.instruments)?;
+        let is_known = equivalent::of(self.model).1.is_empty();
         for prediction in &mut predictions {
-            prediction.bound_percent = BOUND_PERCENT;
+            prediction.bound_percent = if is_known { BOUND_PERCENT } else { UNKNOWN_PERCENT };
             if let Some((_, axes)) = beyond.iter().find(|(name, _)| *name == prediction.motion) {
-                prediction.bound_percent = 100.0;
+                prediction.bound_percent = UNKNOWN_PERCENT;
                 prediction.beyond_mapped = axes.iter().map(|beyond| beyond.axis.clone()).collect();
             }
         }
@@ -182,13 +189,16 @@ impl Planning<'_> {
             let is_compensated = |(_, effect): &(usize, &Effect)| effect.compensation().is_compensated();
             let effects = axis.effect.iter().enumerate().filter(is_compensated);
             parts.extend(effects.map(|(effect, _)| Part::Effect(index, effect)));
-            if axis.settings.has_mass() {
+            if axis.settings.has_mass() && axis.settings.controller.drive == Drive::Torque {
                 parts.push(Part::Force(index));
                 parts.extend((!axis.settings.is_rigid()).then_some(Part::Stretch(index)));
             }
         }
         let is_below = |percent: Option<f64>| percent.is_none_or(|percent| percent < 100.0);
-        if self.model.axis.values().any(|axis| is_below(axis.settings.controller.feedforward_percent)) {
+        let controllers = || self.model.axis.values().map(|axis| &axis.settings.controller);
+        // A loop of which no gain is known may have any feed-forward, and a stepper motor has no loop.
+        let has_loops = controllers().all(|c| c.position_gain_per_s.is_some() && c.drive != Drive::Stepper);
+        if has_loops && controllers().any(|controller| is_below(controller.feedforward_percent)) {
             parts.push(Part::Feedforward);
         }
         if self.model.axis.values().any(|axis| axis.settings.controller.law == Some(Law::Hpc)) {

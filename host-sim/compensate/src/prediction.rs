@@ -11,6 +11,7 @@ use files::error::InputError;
 use files::log::Log;
 use model::machine::Machine;
 use motion::Motion;
+use plant::equivalent;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::machine_sim::MachineSim;
@@ -78,7 +79,7 @@ pub fn log(
     log_of_plant((machine, plant), file, test, controller_host)
 }
 
-/// The log of a motion on any plant: `plant` makes it from the machine with the settings of the compensation, at rest at its start, m.
+/// The log of a motion on any plant, with what [`equivalent`] takes for loops and masses that are not known: `plant` makes it from the machine with the settings of the compensation, at rest at its start, m.
 ///
 /// # Errors
 /// As [`log`].
@@ -88,7 +89,9 @@ pub fn log_of_plant<P: Plant>(
     test: &TestMotion,
     controller_host: ControllerHost,
 ) -> Result<Log, PredictionError> {
-    let machine = &file.applied_to(machine);
+    let machine = file.applied_to(machine);
+    let (machine, _) = equivalent::of(&machine);
+    let machine = machine.as_ref();
     let path = MachinePath::new(&test.motion, machine, &test.source)?;
     let failed = |error| PredictionError::Simulation { motion: test.source.clone(), error };
     let mut controller = controller_host.controller(machine, &path.start_m).map_err(failed)?;

@@ -45,8 +45,8 @@ pub fn of_axis(
     let intalk_um_s2_per_m = tool.intalk.um_s2_per_m - tool.modes().map(lag_um_s2_per_m).sum::<f64>();
     let settings = CompensationSettings {
         pitch: pitch(screw, travel_m),
-        backlash_width_m: (screw.gap_map.is_empty() && screw.backlash.width_um > 0.0)
-            .then_some(1e-6 * screw.backlash.width_um),
+        backlash_width_m: Some(1e-6 * parameters.reversal_width_um())
+            .filter(|&width_m| screw.gap_map.is_empty() && width_m > 0.0),
         screw: screw_cycles,
         dividing,
         intalk: (intalk_um_s2_per_m != 0.0).then(|| um_s2_per_m(intalk_um_s2_per_m)),

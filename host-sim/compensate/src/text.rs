@@ -53,6 +53,7 @@ pub fn of(plan: &Plan) -> String {
             not.effect, not.why, not.instead
         ));
     }
+    lines.extend(plan.assumed.iter().map(|assumed| format!("\n{}", assumed.sentence())));
     for (motion, beyond) in &plan.beyond {
         lines.extend(beyond.iter().map(|beyond| format!("\n{motion}: {}", beyond.sentence())));
     }

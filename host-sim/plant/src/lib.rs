@@ -7,6 +7,7 @@
 //! | [`controller`] | what the closed loop needs of a controller, and the controller in this process |
 //! | [`machine_path`] | the motion file as blocks in the axes of the machine |
 //! | [`simulate`] | the closed loop: the controller of a machine file, a run along a path, its log |
+//! | [`equivalent`] | machines of which masses or loops are not known, as machines that can be simulated |
 //! | [`machine_sim`] | the machine in one tick: commanded forces in, readings and measurements out |
 //! | [`instruments`] | lag of the drives, sensors and their latencies, the same for all axes |
 //! | [`parameters`] | the physical parameters of an axis: keys and effects of the machine file, in SI |
@@ -33,6 +34,7 @@ pub mod controller;
 pub mod coupled_axes;
 pub mod delay;
 pub mod driven;
+pub mod equivalent;
 pub mod friction;
 pub mod guide;
 pub mod instruments;

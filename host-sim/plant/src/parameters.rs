@@ -44,7 +44,7 @@ pub struct AxisParameters {
     pub forced_windup: Option<ForceWindup>,
     /// Wind-up under acceleration, for an axis whose masses and stiffness are not known. Not simulated.
     pub inertial_windup: InertialWindup,
-    /// Gap and stretch under friction together, of such an axis. Not simulated.
+    /// Gap and stretch under friction together, of such an axis. What is simulated of it is in `screw`, `spring` and `friction`.
     pub lost_motion: LostMotion,
     /// Errors of a stepper motor. Not simulated.
     pub stepper: Stepper,
@@ -159,10 +159,22 @@ impl AxisParameters {
         parameters
     }
 
-    /// Replaces lost motion by a gap; with a friction of the table, also by a unit mass on a spring with this friction: all that acts
+    /// Way of the command after a reversal before the table follows, µm: the gap, or the lost motion of which it is a part, and the way
+    /// in which the rotor of a stepper motor turns over.
+    #[must_use]
+    pub fn reversal_width_um(&self) -> f64 {
+        let behind_motor_um = if self.lost_motion.width_um > 0.0 {
+            self.lost_motion.width_um
+        } else {
+            self.screw.backlash.width_um
+        };
+        behind_motor_um + 2.0 * self.stepper.load_angle.friction_um
+    }
+
+    /// Describes lost motion by a gap; with a friction of the table, also by a unit mass on a spring with this friction: all that acts
     /// between motor and table then is relative to the mass.
     fn divide_lost_motion(&mut self) {
-        let lost = std::mem::take(&mut self.lost_motion);
+        let lost = &self.lost_motion;
         if lost.width_um > 0.0 {
             self.screw.backlash = lost.gap(self.inertial_windup.stretch_s2());
         }

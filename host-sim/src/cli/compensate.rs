@@ -13,6 +13,7 @@ use super::progress::Progress;
 use compensate::planning::Planning;
 use compensate::prediction::{PredictionError, TestMotion};
 use compensate::{CompensationFile, standard_motions, text};
+use controls::{Control, ControlFile};
 use files::error::InputError;
 use files::output::write_whole;
 use margins::MarginLimits;
@@ -26,6 +27,42 @@ const MOTIONS: [(&str, &str); 2] = [
     ("motions/circle.toml", include_str!("../../motions/circle.toml")),
     ("motions/corner.toml", include_str!("../../motions/corner.toml")),
 ];
+
+/// A control that is not ours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum ControlArgument {
+    /// LinuxCNC: COMP_FILE or BACKLASH, lines of the INI file.
+    Linuxcnc,
+    /// Siemens SINUMERIK: leadscrew error compensation.
+    Siemens,
+    /// Heidenhain: tables .COM.
+    Heidenhain,
+    /// Fanuc: parameters of the stored pitch error compensation.
+    Fanuc,
+    /// Beckhoff TwinCAT CNC: list kw.ssfk.
+    Beckhoff,
+    /// grblHAL: settings of the backlash.
+    Grblhal,
+    /// Marlin: M425.
+    Marlin,
+    /// Position, error in both directions.
+    Csv,
+}
+
+impl From<ControlArgument> for Control {
+    fn from(argument: ControlArgument) -> Self {
+        match argument {
+            ControlArgument::Linuxcnc => Self::Linuxcnc,
+            ControlArgument::Siemens => Self::Siemens,
+            ControlArgument::Heidenhain => Self::Heidenhain,
+            ControlArgument::Fanuc => Self::Fanuc,
+            ControlArgument::Beckhoff => Self::Beckhoff,
+            ControlArgument::Grblhal => Self::Grblhal,
+            ControlArgument::Marlin => Self::Marlin,
+            ControlArgument::Csv => Self::Csv,
+        }
+    }
+}
 
 /// Arguments of `compensate`.
 #[derive(clap::Args)]
@@ -42,6 +79,12 @@ pub struct Arguments {
     /// Write what is compensated and what is not as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
+    /// Also write files for another control.
+    #[arg(long, value_enum, requires = "out_dir")]
+    format: Option<ControlArgument>,
+    /// Folder for the files of --format; made if it is missing.
+    #[arg(long, value_name = "DIR", requires = "format")]
+    out_dir: Option<PathBuf>,
     /// Time on the session clock at which the compensation is set, s.
     #[arg(long, default_value_t = 0.0, value_name = "SECONDS")]
     set_at_s: f64,
@@ -59,10 +102,13 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let inputs: Vec<&Path> =
         [&arguments.model].into_iter().chain(&arguments.motion).map(PathBuf::as_path).collect();
-    check_outputs(
-        &inputs,
-        &[Output::File("--out", Some(&arguments.out)), Output::File("--json", arguments.json.as_ref())],
-    )?;
+    let control_file = arguments.out_dir.as_ref().map(|folder| folder.join("README.txt"));
+    let outputs = [
+        Output::File("--out", Some(&arguments.out)),
+        Output::File("--json", arguments.json.as_ref()),
+        Output::InNewFolder("--out-dir", control_file.as_ref()),
+    ];
+    check_outputs(&inputs, &outputs)?;
     if !(arguments.set_at_s >= 0.0 && arguments.set_at_s.is_finite()) {
         return Err(InputError::expected(
             "--set-at-s",
@@ -96,8 +142,29 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     // One after the other: Ctrl-C in between, or while the margins are computed, would leave one without the other.
     write_whole(&arguments.out, |out| out.write_all(toml.as_bytes()))?;
     write_json(arguments.json.as_ref(), &json)?;
-    let remarks = margins.map(|margins| margins.remarks(limits)).unwrap_or_default();
+    let mut remarks = margins.map(|margins| margins.remarks(limits)).unwrap_or_default();
+    if let (Some(control), Some(folder)) = (arguments.format, &arguments.out_dir) {
+        remarks.push(for_control(control.into(), &model, &plan.file, folder)?);
+    }
     print(&[vec![text::of(&plan)], remarks].concat().join("\n\n"))
+}
+
+/// Writes the files of another control, and what they do not say into its README.txt; the text for the terminal.
+fn for_control(control: Control, model: &Machine, file: &CompensationFile, folder: &Path) -> Result<String> {
+    let written = controls::write(control, model, file);
+    if written.files.is_empty() {
+        let remarks = written.remarks.join("\n");
+        return Ok(format!("Nothing of this compensation can be written for this control.\n{remarks}")
+            .trim()
+            .to_owned());
+    }
+    let remarks: String = written.remarks.iter().map(|remark| format!("- {remark}\n")).collect();
+    let readme = ControlFile { name: "README.txt".to_owned(), text: remarks.clone() };
+    for file in written.files.iter().chain([&readme]) {
+        write_whole(&folder.join(&file.name), |out| out.write_all(file.text.as_bytes()))?;
+    }
+    let names: Vec<&str> = written.files.iter().map(|file| file.name.as_str()).collect();
+    Ok(format!("{}: {}\n{}", folder.display(), names.join(", "), remarks.trim_end()))
 }
 
 /// Margins with the settings of the model and with those of the compensation.

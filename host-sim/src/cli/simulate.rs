@@ -10,6 +10,7 @@ use super::logged_run;
 use super::outputs::{Output, check_outputs, print};
 use model::machine::Machine;
 use motion::Motion;
+use plant::equivalent;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run};
@@ -70,7 +71,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     check_outputs(&files, &[Output::File("--out", Some(&arguments.out))])?;
     let machine = Machine::read(&arguments.machine)?;
     let compensated = Compensated::read(arguments.compensation.as_deref(), machine)?;
-    let machine = &compensated.machine;
+    let (machine, assumed) = equivalent::of(&compensated.machine);
+    let machine = machine.as_ref();
     let motion = Motion::read(&arguments.motion)?;
     let machine_file = &arguments.machine.display().to_string();
     let motion_file = &arguments.motion.display().to_string();
@@ -87,8 +89,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         start_s: 0.0,
     };
     let statistics = logged_run::run(&run, controller.as_mut(), &arguments.out, &inputs, |_| {})?;
+    let assumed: String = assumed.iter().map(|assumed| format!("\n\n{}", assumed.sentence())).collect();
     print(&format!(
-        "{} ran {}: {} samples in {}.\n\n{}{}",
+        "{} ran {}: {} samples in {}.\n\n{}{}{assumed}",
         machine.name,
         motion.name,
         statistics.samples,

@@ -26,6 +26,30 @@ macro_rules! axis_keys {
                 /// Largest force of the drive; absent: not limited.
                 force_limit_n: Option<f64> [Positive],
             }
+            /// Further terms of the position loop of LinuxCNC, its component pid, beside P (`position_gain_per_s`) and FF1
+            /// (`feedforward_percent`). Its output is the velocity command. Absent: the term does not exist.
+            pid: Pid {
+                /// I.
+                i_per_s2 ("pid_i_per_s2"): Option<f64> [NotNegative],
+                /// D.
+                d ("pid_d"): Option<f64> [NotNegative],
+                /// FF0, feed-forward of the position.
+                ff0_per_s ("pid_ff0_per_s"): Option<f64>,
+                /// FF2, feed-forward of the acceleration.
+                ff2_s ("pid_ff2_s"): Option<f64>,
+                /// Constant part of the output.
+                bias_mm_per_s ("pid_bias_mm_per_s"): Option<f64>,
+                /// Error that is taken as none.
+                deadband_um ("pid_deadband_um"): Option<f64> [Positive],
+                /// maxerror, largest error.
+                max_error_mm ("pid_max_error_mm"): Option<f64> [Positive],
+                /// maxerrorI, largest integral of the error.
+                max_error_i_mm_s ("pid_max_error_i_mm_s"): Option<f64> [Positive],
+                /// maxerrorD, largest derivative of the error.
+                max_error_d_mm_per_s ("pid_max_error_d_mm_per_s"): Option<f64> [Positive],
+                /// maxoutput, largest velocity command.
+                max_output_mm_per_s ("pid_max_output_mm_per_s"): Option<f64> [Positive],
+            }
             /// Filter of the path, and filters of the force.
             filters: Filters {
                 /// Window of the moving average over the path; absent: the path is not filtered.

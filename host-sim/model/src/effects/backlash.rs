@@ -74,7 +74,7 @@ impl EffectModel for Backlash {
     }
 
     fn compensation(&self) -> EffectCompensation {
-        EffectCompensation::by("half of the gap is added to the command in the direction of motion")
+        EffectCompensation::REVERSAL
     }
 
     fn sentence(&self, wording: &Wording) -> String {

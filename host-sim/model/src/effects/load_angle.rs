@@ -65,9 +65,8 @@ impl EffectModel for LoadAngle {
     }
 
     fn compensation(&self) -> EffectCompensation {
-        EffectCompensation::not(
-            "a stepper motor has no loop that would apply a compensation",
-            "enter twice the displacement under friction as backlash of the control, or raise the current of the driver",
+        EffectCompensation::by(
+            "the displacement under friction is added to the command in the direction of motion; a higher current of the driver lowers it",
         )
     }
 

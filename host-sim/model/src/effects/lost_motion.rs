@@ -150,10 +150,7 @@ impl EffectModel for LostMotion {
     }
 
     fn compensation(&self) -> EffectCompensation {
-        EffectCompensation::not(
-            "the axis cannot be simulated without its masses, so that nothing is known of what the compensation leaves",
-            "enter the width as the backlash of the control, or declare the masses and the stiffness and trace again",
-        )
+        EffectCompensation::REVERSAL
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::nominal::{LogOffsets, Nominal};
 use crate::axis::{
-    Controller, Drive, Feedback, Field, Filters, Law, Limits, Mechanics, Sensors, Settings, TOLERATED,
+    Controller, Drive, Feedback, Field, Filters, Law, Limits, Mechanics, Pid, Sensors, Settings, TOLERATED,
     Tolerances, axis_keys,
 };
 use crate::effects::Effect;

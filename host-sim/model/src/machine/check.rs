@@ -148,10 +148,17 @@ const OF_POSITION_LOOP: &[&str] = &[
 /// Whether an axis with such a drive may have a key.
 fn has_key(drive: Drive, key: &str) -> bool {
     match drive {
-        Drive::Torque => key != "full_steps_per_turn",
+        Drive::Torque => key != "full_steps_per_turn" && !is_of_pid(key),
         Drive::Velocity => key != "full_steps_per_turn" && !OF_VELOCITY_LOOP.contains(&key),
-        Drive::Stepper => !OF_VELOCITY_LOOP.contains(&key) && !OF_POSITION_LOOP.contains(&key),
+        Drive::Stepper => {
+            !OF_VELOCITY_LOOP.contains(&key) && !OF_POSITION_LOOP.contains(&key) && !is_of_pid(key)
+        }
     }
+}
+
+/// Whether a key is a term of LinuxCNC's position loop.
+fn is_of_pid(key: &str) -> bool {
+    key.starts_with("pid_")
 }
 
 impl Context<'_> {

@@ -11,6 +11,7 @@ pub mod force_sampling;
 pub mod force_windup;
 pub mod friction_direction;
 pub mod initial_state;
+pub mod position_loop;
 pub mod resonant_response;
 pub mod table_motion;
 pub mod table_variable;

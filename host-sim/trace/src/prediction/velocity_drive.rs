@@ -6,6 +6,7 @@
 //! over micrometres: dh/dt = v/s·(1 − h·sign v) (Dahl, 1968).
 
 use super::friction_direction;
+use super::position_loop::PositionLoop;
 use model::axis::Settings;
 use model::servo::ServoParameters;
 
@@ -17,7 +18,7 @@ const STEPS: usize = 4;
 
 /// The motor, m, of a closed position loop with this command (m); `None` without a position gain.
 ///
-/// As in the loop of a declared velocity controller, the velocity command is Kp·(command − motor) + Kf·d(command)/dt once a sample.
+/// The velocity command is that of a [`PositionLoop`].
 #[must_use]
 pub fn motor(
     settings: &Settings,
@@ -25,15 +26,14 @@ pub fn motor(
     command: &[f64],
     sample_s: f64,
 ) -> Option<Vec<f64>> {
-    let gain = settings.controller.position_gain_per_s? * servo.mismatch.factor();
-    let feed = 0.01 * (settings.controller.feedforward_percent.unwrap_or(0.0) + servo.feedforward.percent);
-    let mut axis = Axis::following(servo, (command, sample_s), [gain, feed]);
+    let first_m = *command.first()?;
+    let velocity = command.get(1).map_or(0.0, |second| (second - first_m) / sample_s);
+    let mut position_loop = PositionLoop::following(settings, servo, [first_m, velocity], sample_s)?;
+    let mut axis = Axis::following(servo, [first_m - position_loop.lag_m(), velocity], sample_s);
     let mut motor_m = Vec::with_capacity(command.len());
-    let mut before_m = command.first().map(|first| first - axis.velocity * sample_s)?;
     for &now_m in command {
         motor_m.push(axis.position_m);
-        let wanted = gain * (now_m - axis.position_m) + feed * (now_m - before_m) / sample_s;
-        before_m = now_m;
+        let wanted = position_loop.sample(now_m, axis.position_m);
         axis.sample(wanted, sample_s);
     }
     Some(motor_m)
@@ -57,19 +57,13 @@ struct Axis {
 }
 
 impl Axis {
-    /// In steady motion with the first samples of the command: the loop is settled.
-    fn following(
-        servo: &ServoParameters,
-        (command, sample_s): (&[f64], f64),
-        [gain, feed]: [f64; 2],
-    ) -> Self {
-        let (first, second) = (command.first().copied().unwrap_or(0.0), command.get(1));
-        let velocity = second.map_or(0.0, |second| (second - first) / sample_s);
+    /// In steady motion at a position (m) with a velocity (m/s): the drive is settled.
+    fn following(servo: &ServoParameters, [position_m, velocity]: [f64; 2], sample_s: f64) -> Self {
         let dead = (servo.velocity_drive.dead_time_s / sample_s).max(0.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
         let whole = dead.floor() as usize;
         Self {
-            position_m: first - velocity * (1.0 - feed) / gain,
+            position_m,
             velocity,
             integral: 0.0,
             waiting: vec![velocity; whole + 1],

@@ -3,13 +3,33 @@
 
 use std::f64::consts::TAU;
 
-use super::runs::{Comparison, PLAIN, SPEED_MM_S, circle, motion};
+use super::runs::{Comparison, PLAIN, SPEED_MM_S, circle, motion, usual};
 use super::theory::{Point, radial_rms_at_um, radial_rms_um};
 
 /// Half of the width on each side.
 pub fn backlash() {
     let expected_um = radial_rms_um(|p| 5.0 * p.v_m_per_s().signum());
     Comparison::of("name = \"backlash\"\nwidth_um = 10.0").assert(expected_um, 0.1, 0.8);
+}
+
+/// Two axes of which only the drive is known.
+fn bare(keys: &str) -> String {
+    format!("name = \"bare\"\nsample_rate_hz = 1000.0\n[axis.x]\n{keys}\n[axis.y]\n{keys}\n")
+}
+
+/// Half of the width on each side, without masses.
+pub fn lost_motion() {
+    let expected_um = radial_rms_um(|p| 5.0 * p.v_m_per_s().signum());
+    let machine = bare("drive = \"velocity\"\nposition_gain_per_s = 40.0\nfeedforward_percent = 80.0");
+    let effect = "name = \"lost_motion\"\nwidth_um = 10.0";
+    Comparison::on(&machine, effect, &usual()).assert(expected_um, 0.1, 0.8);
+}
+
+/// The displacement under friction on each side, of a motor without a loop.
+pub fn load_angle() {
+    let expected_um = radial_rms_um(|p| 5.0 * p.v_m_per_s().signum());
+    let effect = "name = \"load_angle\"\nfriction_um = 5.0\num_s2_per_m = 0.0";
+    Comparison::on(&bare("drive = \"stepper\""), effect, &usual()).assert(expected_um, 0.1, 0.8);
 }
 
 pub fn pitch_progressive() {

@@ -14,7 +14,7 @@ mod watched;
 use tests::tested;
 
 tested! {
-    geometry: backlash, pitch_progressive, pitch_map, pitch_cyclic, resolver_dividing, encoder_ellipticity, windup, intalk,
+    geometry: backlash, lost_motion, load_angle, pitch_progressive, pitch_map, pitch_cyclic, resolver_dividing, encoder_ellipticity, windup, intalk,
         crosstalk, resonance, squareness, straightness, thermal_drift;
     force: stribeck, friction_asymmetry, friction_map, friction_warm_up, motor_stribeck, presliding, preload_variation,
         friction_ripple, torque_ripple, constant_load, position_load;

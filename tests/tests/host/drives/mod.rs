@@ -51,7 +51,7 @@ fn stepping(t: f64) -> f64 {
 }
 
 /// The command and its acceleration, mm and mm/s², at a time.
-fn command_and_acceleration(command: Command, t: f64) -> [f64; 2] {
+fn command_and_acceleration(command: impl Fn(f64) -> f64, t: f64) -> [f64; 2] {
     let h = 1e-3;
     [command(t), (command(t + h) - 2.0 * command(t) + command(t - h)) / (h * h)]
 }

@@ -17,6 +17,8 @@ struct Axis {
     integral_s: f64,
     /// Friction over the mass, m/s².
     friction: f64,
+    /// I (1/s²), D and FF2 (s) of the position loop, and its deadband, mm.
+    pid: [f64; 4],
     /// Lost motion, mm, and lag of the table per acceleration, mm per m/s².
     lost_mm: f64,
     lag_mm: f64,
@@ -28,6 +30,7 @@ const AXIS: Axis = Axis {
     velocity_gain_per_s: 400.0,
     integral_s: 0.02,
     friction: 0.0,
+    pid: [0.0; 4],
     lost_mm: 0.0,
     lag_mm: 0.0,
 };
@@ -36,13 +39,22 @@ const AXIS: Axis = Axis {
 fn simulated(axis: &Axis, command: Command, seconds: u32) -> Simulated {
     let h = SAMPLE_S / f64::from(STEPS);
     let (mut x, mut v, mut integral) = (command(0.0), 0.0, 0.0);
+    let (mut error_sum, mut last_error) = (0.0, 0.0);
     let [mut commands, mut motor, mut acceleration] = [const { Vec::<f64>::new() }; 3];
     for i in 0..1000 * seconds {
         let t = SAMPLE_S * f64::from(i);
-        let (now, before) = (command(t), command(t - SAMPLE_S));
+        let [now, before, earlier] = [0.0, 1.0, 2.0].map(|samples| command(t - samples * SAMPLE_S));
         commands.push(now);
         motor.push(x);
-        let wanted = axis.gain_per_s * (now - x) + axis.feedforward * (now - before) / SAMPLE_S;
+        let [i_per_s2, d, ff2_s, deadband_mm] = axis.pid;
+        let error = (now - x) - (now - x).clamp(-deadband_mm, deadband_mm);
+        error_sum += error * SAMPLE_S;
+        let wanted = axis.gain_per_s * error
+            + i_per_s2 * error_sum
+            + d * (error - last_error) / SAMPLE_S
+            + axis.feedforward * (now - before) / SAMPLE_S
+            + ff2_s * (now - 2.0 * before + earlier) / (SAMPLE_S * SAMPLE_S);
+        last_error = error;
         let start = v;
         for _ in 0..STEPS {
             let error = wanted - v;
@@ -90,6 +102,24 @@ fn a_drive_of_unknown_bandwidth_is_no_effect() {
         // The noise of the encoder, 50 nm, and what the steps of the model leave.
         assert!(motor.after.validate < 0.3, "{velocity_gain_per_s}: {} µm", motor.after.validate);
     }
+}
+
+/// All terms of LinuxCNC's pid are part of the model: what they leave of the motor is no effect. Without the keys, 1500 1/s² of the
+/// integral part, 4 ms of the acceleration and 20 µm of deadband leave micrometres.
+#[test]
+fn the_terms_of_a_pid_are_part_of_the_model() {
+    let axis = Axis { pid: [1500.0, 0.02, 4e-3, 0.02], ..AXIS };
+    let left_um = |keys: &str| {
+        let trace = traced(&axis, keys, 9);
+        let motor = trace.axes[0].residuals.iter().find(|r| r.stage == model::effects::Stage::Motor).unwrap();
+        (motor.after.validate, names(&trace))
+    };
+    let pid = "pid_i_per_s2 = 1500.0\npid_d = 0.02\npid_ff2_s = 4e-3\npid_deadband_um = 20.0\n";
+    let (with_um, found) = left_um(&format!("{KEYS}{pid}"));
+    assert_eq!(found, [""; 0]);
+    assert!(with_um < 0.3, "{with_um} µm");
+    let (without_um, _) = left_um(KEYS);
+    assert!(without_um > 10.0 * with_um, "{without_um} {with_um} µm");
 }
 
 /// A position gain 6 % above the declared one, or a feed-forward 3 percentage points below it: in steady motion the axis lags by

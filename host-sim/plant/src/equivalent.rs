@@ -1,0 +1,207 @@
+//! Axes of which masses or loops are not known, as axes that can be simulated.
+//!
+//! A drive whose velocity is commanded has the time constant τ = m/Kv and the friction F/m: its mass itself changes nothing, and any
+//! large one serves. A stepper motor follows its command. What of a loop is not known is assumed, and said.
+
+use std::borrow::Cow;
+
+use model::axis::{Drive, Law, Mechanics, Pid, Settings};
+use model::effects::{Effect, InertialWindup, LostMotion, PeriodicError, ResolverDividing};
+use model::machine::{Axis, Machine};
+use model::servo;
+
+use crate::parameters::AxisParameters;
+
+/// Mass of the motor, kg. That of the table is 1 kg: what it does to the motor is below 0.1 %.
+const MOTOR_KG: f64 = 1000.0;
+
+/// Friction of a table of which nothing is known, over its mass, m/s²: it does not slide in the gap by itself.
+const FRICTION_M_PER_S2: f64 = 10.0;
+
+/// Travel over which this friction reverses, µm.
+const PRESLIDING_UM: f64 = 1.0;
+
+/// Stretch of a drive train of which nothing is known, µm per m/s².
+const STRETCH_UM_S2_PER_M: f64 = 5e-3;
+
+/// Time constant of a drive of which none is known, s: a bandwidth of 32 Hz.
+const USUAL_TIME_CONSTANT_S: f64 = 5e-3;
+
+/// The controller that is simulated has a proportional gain and feed-forward.
+const NO_PID: &str =
+    "of its position loop, P and the feed-forward of the velocity are simulated, the keys pid_… are not";
+
+/// Ticks of the velocity loop per time constant, and the most per tick of the position loop.
+const TICKS: (f64, f64) = (4.0, 8.0);
+
+/// What the simulation of an axis assumes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Assumed {
+    /// Name of the axis.
+    pub axis: String,
+    /// What is not known, and what takes its place.
+    pub what: &'static str,
+}
+
+impl Assumed {
+    /// The sentence for a user.
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        format!("{}: {}.", self.axis, self.what)
+    }
+}
+
+/// The velocity loop that an axis is simulated with.
+struct Loop {
+    position_gain_per_s: f64,
+    feedforward_percent: f64,
+    /// Time by which the feed-forward is ahead of the command, position ticks.
+    ahead_ticks: f64,
+    time_constant_s: f64,
+    integral_time_s: Option<f64>,
+    assumed: Option<&'static str>,
+}
+
+/// A loop that follows its command: within 0.1 µm under 1 m/s², as its integral part removes the lag of the velocity.
+const FOLLOWING: Loop = Loop {
+    position_gain_per_s: 200.0,
+    feedforward_percent: 100.0,
+    ahead_ticks: 1.0,
+    time_constant_s: 5e-4,
+    integral_time_s: Some(0.01),
+    assumed: None,
+};
+
+impl Loop {
+    fn of(axis: &Axis) -> Self {
+        let controller = &axis.settings.controller;
+        if controller.drive == Drive::Stepper {
+            return FOLLOWING;
+        }
+        let Some(position_gain_per_s) = controller.position_gain_per_s else {
+            let what = "its position gain is not known; it is simulated as an axis that follows its command";
+            return Self { assumed: Some(what), ..FOLLOWING };
+        };
+        let offsets = axis.log_offsets.unwrap_or_default();
+        let positive = |value: Option<f64>| value.filter(|value| *value > 0.0);
+        let fitted_s = positive(offsets.velocity_time_constant_ms).map(|ms| 1e-3 * ms);
+        let is_velocity = controller.drive == Drive::Velocity;
+        let assumed = match (is_velocity, fitted_s) {
+            (true, Some(_)) => None,
+            (true, None) => {
+                Some("the bandwidth of its drive is not known; simulated is a time constant of 5 ms")
+            }
+            (false, _) => {
+                Some("masses or gains are not known; its velocity is simulated with a time constant of 5 ms")
+            }
+        };
+        let integral_per_s = positive(offsets.velocity_integral_per_s).filter(|_| is_velocity);
+        Self {
+            position_gain_per_s,
+            feedforward_percent: controller.feedforward_percent.unwrap_or(0.0),
+            ahead_ticks: 0.0,
+            time_constant_s: fitted_s.filter(|_| is_velocity).unwrap_or(USUAL_TIME_CONSTANT_S),
+            integral_time_s: integral_per_s.map(f64::recip).or(controller.velocity_integral_time_s),
+            assumed,
+        }
+    }
+}
+
+/// Whether an axis can be simulated as it is declared.
+fn is_complete(axis: &Axis) -> bool {
+    let settings = &axis.settings;
+    settings.has_mass() && servo::settings(settings, &AxisParameters::of(axis).servo).is_ok()
+}
+
+/// The machine with a simulated loop and mass for each axis that lacks them, and what is assumed of it. A machine of which all is known
+/// is returned as it is.
+#[must_use]
+pub fn of(machine: &Machine) -> (Cow<'_, Machine>, Vec<Assumed>) {
+    if machine.structure.is_some() || machine.axis.values().all(is_complete) {
+        return (Cow::Borrowed(machine), Vec::new());
+    }
+    let mut equivalent = machine.clone();
+    let mut assumed = Vec::new();
+    let mut shortest_s = f64::INFINITY;
+    for (name, axis) in &mut equivalent.axis {
+        if !is_complete(axis) {
+            let simulated = Loop::of(axis);
+            let further = (axis.settings.pid != Pid::default()).then_some(NO_PID);
+            let what = simulated.assumed.into_iter().chain(further);
+            assumed.extend(what.map(|what| Assumed { axis: name.clone(), what }));
+            shortest_s = shortest_s.min(simulated.time_constant_s);
+            *axis = equivalent_axis(axis, &simulated, 1.0 / machine.sample_rate_hz);
+        }
+    }
+    if machine.velocity_loop_rate_hz.is_none() {
+        let steps = (TICKS.0 / (shortest_s * machine.sample_rate_hz)).ceil().clamp(1.0, TICKS.1);
+        equivalent.velocity_loop_rate_hz = Some(steps * machine.sample_rate_hz);
+    }
+    (Cow::Owned(equivalent), assumed)
+}
+
+fn equivalent_axis(axis: &Axis, simulated: &Loop, tick_s: f64) -> Axis {
+    let Settings { mut controller, filters, limits, mechanics, sensors, pid: _ } = axis.settings.clone();
+    let friction_m_per_s2 = axis.log_offsets.and_then(|offsets| offsets.velocity_friction_m_per_s2);
+    let mechanics = if axis.settings.has_mass() {
+        mechanics
+    } else {
+        Mechanics {
+            motor_mass_kg: Some(MOTOR_KG),
+            motor_coulomb_n: friction_m_per_s2.map(|friction| MOTOR_KG * friction.max(0.0)),
+            lead_mm: mechanics.lead_mm,
+            ..Mechanics::default()
+        }
+    };
+    let mass_kg = mechanics.motor_mass_kg.unwrap_or(0.0) + mechanics.table_mass_kg.unwrap_or(0.0);
+    controller.drive = Drive::Torque;
+    controller.law = controller.law.or(Some(Law::P));
+    controller.position_gain_per_s = Some(simulated.position_gain_per_s);
+    controller.feedforward_percent = Some(simulated.feedforward_percent);
+    let ahead_s = (simulated.ahead_ticks > 0.0).then_some(simulated.ahead_ticks * tick_s);
+    controller.feedforward_ahead_s = ahead_s.or(controller.feedforward_ahead_s);
+    controller.velocity_gain_n_s_per_m = Some(mass_kg / simulated.time_constant_s);
+    controller.velocity_integral_time_s = simulated.integral_time_s;
+    controller.force_limit_n = None;
+    let effect = if axis.settings.has_mass() { axis.effect.clone() } else { equivalent_effects(axis) };
+    let settings = Settings { controller, pid: Pid::default(), filters, limits, mechanics, sensors };
+    Axis { settings, effect, nominal: None, log_offsets: None, empirical: axis.empirical.clone() }
+}
+
+/// The effects with everything by which the table turns late in one lost motion, behind the motor as commanded.
+fn equivalent_effects(axis: &Axis) -> Vec<Effect> {
+    let parameters = AxisParameters::of(axis).with_motor_as_commanded();
+    let declared = &parameters.lost_motion;
+    let lost = LostMotion {
+        width_um: parameters.reversal_width_um(),
+        friction_m_per_s2: declared.friction_m_per_s2.or(Some(FRICTION_M_PER_S2)),
+        presliding_um: declared.presliding_um.or(Some(PRESLIDING_UM)),
+    };
+    let is_other = |effect: &&Effect| {
+        !matches!(
+            effect,
+            Effect::Backlash(_)
+                | Effect::LostMotion(_)
+                | Effect::LoadAngle(_)
+                | Effect::ForceWindup(_)
+                | Effect::MicrostepError(_)
+                | Effect::ResolverDividing(_)
+                | Effect::EncoderEllipticity(_)
+        )
+    };
+    let mut effects: Vec<Effect> = axis.effect.iter().filter(is_other).cloned().collect();
+    if !effects.iter().any(|effect| matches!(effect, Effect::InertialWindup(_))) {
+        effects.push(Effect::InertialWindup(InertialWindup { um_s2_per_m: STRETCH_UM_S2_PER_M }));
+    }
+    effects.push(Effect::LostMotion(lost));
+    effects.extend(parameters.resolver.iter().map(reading_error));
+    effects
+}
+
+const fn reading_error(error: &PeriodicError) -> Effect {
+    let PeriodicError { amplitude_um, period_mm, phase_rad } = *error;
+    Effect::ResolverDividing(ResolverDividing { amplitude_um, period_mm, phase_rad, fitted_period_mm: None })
+}
+
+#[cfg(test)]
+mod tests;
