@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use crate::servo::MOST_AHEAD_TICKS;
+
 /// A part of a compensation that can be left out.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Part {
@@ -20,6 +22,9 @@ pub(crate) enum Part {
 /// Times by which the velocity feed-forward is ahead of the command that are tried, position ticks. Its backward difference is
 /// one tick late; drive and velocity reading change that by a part of a tick.
 const AHEAD_TICKS: [f64; 7] = [0.0, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0];
+
+/// Shares of the time constant of a drive whose velocity is commanded that are tried as times of the feed-forward.
+const AHEAD_SHARES: [f64; 3] = [0.5, 0.75, 1.0];
 
 /// Changes of that time that are tried beside a gentler feed-forward, position ticks.
 const OTHER_TICKS: [f64; 4] = [-0.25, 0.0, 0.25, 0.5];
@@ -42,9 +47,13 @@ pub(crate) struct Strength {
 }
 
 impl Strength {
-    /// Everything, with each of the times of the velocity feed-forward.
-    pub fn full(tick_s: f64) -> impl Iterator<Item = Self> {
-        AHEAD_TICKS.into_iter().map(move |ticks| Self { ahead_s: ticks * tick_s, ..Self::default() })
+    /// Everything, with each of the times of the velocity feed-forward. A drive whose velocity is commanded is late by its time constant,
+    /// s, as well; 0: there is none.
+    pub fn full(tick_s: f64, time_constant_s: f64) -> impl Iterator<Item = Self> {
+        let late_s = AHEAD_SHARES.map(|share| (share * time_constant_s).min(MOST_AHEAD_TICKS * tick_s));
+        let late_s = late_s.into_iter().filter(|late_s| *late_s > 0.0);
+        let ahead_s = AHEAD_TICKS.into_iter().map(move |ticks| ticks * tick_s).chain(late_s);
+        ahead_s.map(|ahead_s| Self { ahead_s, ..Self::default() })
     }
 
     /// Other strengths around this one, with which an axis overshoots less.

@@ -30,7 +30,7 @@ const MIN_LOSS: f64 = 2e-3;
 /// How far the measured error may be from the predicted one, percent.
 const BOUND_PERCENT: f64 = 15.0;
 
-/// The same where the loops are not known, or the errors beyond a map.
+/// How far the measured error may be from the predicted one where a loop is not known, or the errors beyond a map, percent.
 const UNKNOWN_PERCENT: f64 = 100.0;
 
 /// A compensation with its predictions.
@@ -137,6 +137,14 @@ impl Planning<'_> {
         1.0 / self.model.rates().position_loop_hz()
     }
 
+    /// Mean time constant of the drives whose velocity is commanded, as far as a trace has fitted them, s; 0: there is none.
+    fn drive_time_constant_s(&self) -> f64 {
+        let axes = self.model.axis.values().filter(|axis| axis.settings.controller.drive == Drive::Velocity);
+        let fitted_ms = axes.filter_map(|axis| axis.log_offsets?.velocity_time_constant_ms);
+        let fitted_ms: Vec<f64> = fitted_ms.collect();
+        if fitted_ms.is_empty() { 0.0 } else { 1e-3 * numerics::mean(fitted_ms) }
+    }
+
     /// The errors over the position that motions leave far behind.
     fn unknown(&self) -> Result<BTreeSet<Part>, PredictionError> {
         let mut unknown = BTreeSet::new();
@@ -157,7 +165,8 @@ impl Planning<'_> {
             laws.push(off.iter().cloned().chain([Part::Law]).collect());
         }
         let choices = laws.iter().flat_map(|off| {
-            Strength::full(self.tick_s()).map(|strength| Choice { off: off.clone(), strength })
+            Strength::full(self.tick_s(), self.drive_time_constant_s())
+                .map(|strength| Choice { off: off.clone(), strength })
         });
         let choices: Vec<Choice> = choices.collect();
         let tried = choices.into_par_iter().map(|choice| Ok((self.rms_um(&choice)?, choice)));

@@ -6,7 +6,7 @@ use model::axis::{Law, Settings};
 use model::servo::ServoParameters;
 
 /// Longest time of the feed-forward ahead of the command, position ticks: that of the controller.
-const MOST_AHEAD_TICKS: f64 = 8.0;
+pub(crate) const MOST_AHEAD_TICKS: f64 = 8.0;
 
 /// Settings of a drive that replace those of the machine file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

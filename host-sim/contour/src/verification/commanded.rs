@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use crate::logged::LoggedMotion;
 use crate::path::NominalPath;
 
-/// Largest difference of the durations of two commands, as a fraction: the contour error depends on the speed.
-const MAX_DURATION_FRACTION: f64 = 0.01;
+/// Largest difference of the durations of two commands, as a fraction: the contour error depends on the speed. Planners of other
+/// controls plan other ramps: on a circle of 10 s, LinuxCNC takes 1.4 % longer.
+const MAX_DURATION_FRACTION: f64 = 0.03;
 
 /// Added to it, in samples of the slower log: a motion starts and ends between samples.
 const MAX_DURATION_SAMPLES: f64 = 4.0;

@@ -145,6 +145,11 @@ impl EffectModel for LostMotion {
         [GAP, stretch].into_iter().chain(is_commanded.then_some(LOAD_ANGLE)).collect()
     }
 
+    /// A table that friction brakes harder than anything else never slides by itself.
+    fn at_its_limit(&self) -> Option<Self> {
+        self.friction_m_per_s2.map(|_| Self::of_width(self.width_um))
+    }
+
     fn variation(&self, residual: &dyn Fn() -> ResidualShape, travel_mm: [f64; 2]) -> Option<AnyEffect> {
         self.gap(0.0).variation(residual, travel_mm)
     }

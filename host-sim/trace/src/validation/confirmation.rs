@@ -46,8 +46,11 @@ pub fn confirm(
     loop {
         if let Some((index, limit)) = axis.model.first_at_limit() {
             progress(&format!("{name}: {} is at a limit of its range", limit.effect.name()));
-            axis = axis.without(fit_data, index);
-            refused.push(limit);
+            let simpler = limit.effect.at_its_limit();
+            if simpler.is_none() {
+                refused.push(limit);
+            }
+            axis = axis.changed(fit_data, index, simpler);
             continue;
         }
         let options = &fit_data.options.search;

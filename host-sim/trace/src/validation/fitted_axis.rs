@@ -8,6 +8,7 @@ use crate::fit::scope::Scope;
 use crate::fit::scope_fit::ScopeFit;
 use crate::fit::total_mass;
 use crate::fit::upstream::covariance_after;
+use model::effects::Effect;
 
 /// A model of an axis with the fits that led to it.
 #[derive(Clone, Debug)]
@@ -25,8 +26,16 @@ impl FittedAxis {
     /// later ones, are fitted again.
     #[must_use]
     pub fn without(&self, data: &FitData<'_>, index: usize) -> Self {
+        self.changed(data, index, None)
+    }
+
+    /// As [`Self::without`], with another form of the effect, if one is given, as the last effect.
+    #[must_use]
+    pub fn changed(&self, data: &FitData<'_>, index: usize, form: Option<Effect>) -> Self {
         let effect = &self.model.found()[index];
-        let mut model = self.model.without(index);
+        let is_without = form.is_none();
+        let without = self.model.without(index);
+        let mut model = form.map_or_else(|| without.clone(), |form| without.with(form));
         // Without any effect the model is the declared one, which is already fitted.
         let steps = if model.found().is_empty() { 0 } else { least_squares::STEPS };
         let mut fits = self.fits.clone();
@@ -52,7 +61,11 @@ impl FittedAxis {
                     parameters.iter().map(|parameter| parameter.coordinate.value).collect();
                 model = model.at(fitted_scope, &values);
             }
-            let known = fitted.columns_without(&self.model, fitted_scope, index);
+            let known = if is_without {
+                fitted.columns_without(&self.model, fitted_scope, index)
+            } else {
+                Vec::new()
+            };
             let data = FitData { exclusions, ..*data };
             let fitted = least_squares::fit_from(&data, &model, fitted_scope, steps, &known);
             model = total_mass::pinned(&data, &fitted, [scope, fitted_scope]);

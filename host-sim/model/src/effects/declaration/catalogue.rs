@@ -126,6 +126,12 @@ macro_rules! catalogue {
                 match self { $(Self::$variant(e) => e.added_with().and_then(|any| Self::of_any(&any)),)+ }
             }
 
+            /// See [`EffectModel::at_its_limit`].
+            #[must_use]
+            pub fn at_its_limit(&self) -> Option<Self> {
+                match self { $(Self::$variant(e) => e.at_its_limit().map(Self::$variant),)+ }
+            }
+
             /// See [`EffectModel::variation`].
             #[must_use]
             pub fn variation(&self, residual: &dyn Fn() -> ResidualShape, travel_mm: [f64; 2]) -> Option<Self> {

@@ -145,6 +145,12 @@ pub trait EffectModel: Sized + Clone {
         None
     }
 
+    /// The simpler form that says as much as this one where a fit takes a parameter of it to a limit of its range. `None`: there is none,
+    /// and the effect is dropped there.
+    fn at_its_limit(&self) -> Option<Self> {
+        None
+    }
+
     /// This effect with a finer resolution, if the residual that it leaves supports one.
     #[must_use]
     fn refined(&self, _residual: &dyn Fn() -> ResidualShape) -> Option<Self> {
