@@ -12,7 +12,7 @@ use contour::log_error::LogError;
 use files::output::write_whole;
 use model::machine::Machine;
 use report::trace_page::{self, Extra};
-use trace::{Request, Task, Trace};
+use trace::{AxisIdentification, Identification, Request, Task};
 
 /// Arguments of `trace`.
 #[derive(clap::Args)]
@@ -116,9 +116,9 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
 }
 
 /// Writes the motion that distinguishes two ambiguous effects best; gives a sentence if there are none.
-fn propose(trace: &Trace, path: &Path) -> Result<&'static str> {
-    let alike = trace.axes.iter().flat_map(|axis| &axis.ambiguities);
-    let proposals = alike.filter_map(|alike| alike.proposal.as_ref());
+fn propose(trace: &Identification, path: &Path) -> Result<&'static str> {
+    let alike = trace.axes().iter().flat_map(AxisIdentification::ambiguities_with_motions);
+    let proposals = alike.filter_map(|(_, proposal)| proposal);
     match proposals.max_by(|a, b| a.difference.total_cmp(&b.difference)) {
         Some(proposal) => {
             write_whole(path, |out| out.write_all(proposal.motion.as_bytes()))?;

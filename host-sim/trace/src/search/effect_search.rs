@@ -22,8 +22,9 @@ use crate::fit::intervals::{covariance, half_widths, has_unknown_shape, may_be_z
 use crate::fit::least_squares::{self, Fitted};
 use crate::fit::model_bias::{self, first_fit};
 use crate::fit::scope::{Mechanics, Scope};
-use crate::fit::scope_fit::{Progress, ScopeFit};
+use crate::fit::scope_fit::ScopeFit;
 use crate::stages::stage_names;
+use crate::task::Progress;
 use model::effects::{Effect, Stage};
 
 /// The search for effects that the model of an axis lacks.

@@ -6,7 +6,7 @@ use super::{
 };
 use files::log::Log;
 use std::f64::consts::TAU;
-use trace::{Trace, trace};
+use trace::{Identification, trace};
 
 /// A motor whose field holds the rotor as a spring, and the screw behind it.
 struct Axis {
@@ -57,7 +57,7 @@ fn logs(axis: &Axis, has_encoder: bool, seed: u64) -> [Log; 3] {
     ]
 }
 
-fn traced(axis: &Axis, has_encoder: bool, seed: u64) -> Trace {
+fn traced(axis: &Axis, has_encoder: bool, seed: u64) -> Identification {
     let logs = logs(axis, has_encoder, seed);
     let machine = machine("drive = \"stepper\"\nlead_mm = 5.0\n");
     trace(&machine, &logs[..2], &logs[2..], &|_| {}).unwrap()

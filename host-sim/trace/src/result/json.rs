@@ -2,31 +2,33 @@
 
 use serde_json::{Map, Value, json};
 
+use super::distinguishing_motion::Proposal;
+use super::identification::{AxisIdentification, Identification};
 use crate::analysis::free_run::FreeRun;
 use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
-use crate::certainty::is_certain;
-use crate::data_faults::DataFault;
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::NotTestable;
-use crate::not_testable::EffectNotTestable;
-use crate::outcome::{AxisTrace, StageResidual, Trace};
+use crate::judge::axis_findings::StageResidual;
+use crate::judge::declared_value::{self, DeclaredValue};
+use crate::judge::found_effect::FoundEffect;
+use crate::judge::not_testable::EffectNotTestable;
+use crate::repair::DataFault;
+use crate::result::certainty::is_certain;
+use crate::result::verdict;
 use crate::search::ambiguity::Ambiguity;
 use crate::stages::residual_unit;
-use crate::validation::declared_value::{self, DeclaredValue};
-use crate::validation::found_effect::FoundEffect;
-use crate::verdict;
 use files::log::{Channel, Unit};
 use model::effects::{Effect, Stage};
 
 /// The JSON of `trace --json`, with the tables of `--empirical` if requested.
 #[must_use]
-pub fn of(trace: &Trace, with_tables: bool) -> Value {
+pub fn of(trace: &Identification, with_tables: bool) -> Value {
     let residual: Vec<Value> =
-        trace.axes.iter().flat_map(|axis| axis.residuals.iter().map(move |e| residual(axis, e))).collect();
+        trace.axes().iter().flat_map(|axis| axis.residuals.iter().map(move |e| residual(axis, e))).collect();
     let of_axis = |axis| move |residual| unexplained(axis, residual);
     let unexplained: Vec<Value> =
-        trace.axes.iter().flat_map(|axis| axis.unexplained.iter().map(of_axis(axis))).collect();
+        trace.axes().iter().flat_map(|axis| axis.unexplained.iter().map(of_axis(axis))).collect();
     let mut not_testable: Vec<Value> = trace
         .axes
         .iter()
@@ -35,7 +37,7 @@ pub fn of(trace: &Trace, with_tables: bool) -> Value {
             axis.not_testable.iter().map(one).collect::<Vec<_>>()
         })
         .collect();
-    for axis in &trace.axes {
+    for axis in trace.axes() {
         let one = |n: &EffectNotTestable| json!({"effect": n.effect, "axis": axis.axis, "needs": n.needs});
         not_testable.extend(axis.effects_not_testable.iter().map(one));
     }
@@ -56,13 +58,13 @@ pub fn of(trace: &Trace, with_tables: bool) -> Value {
         "refused": of_axes(trace, |axis| axis.refused.iter().map(|limit| refused(axis, limit)).collect()),
         "unexplained": unexplained,
         "not_testable": not_testable,
-        "notes": trace.notes,
+        "notes": trace.notes(),
         "look_alikes": ambiguities(trace),
         "repeatability": repeats,
         "free_run": free_runs,
     });
     if let (true, Value::Object(all)) = (with_tables, &mut all) {
-        let tables: Vec<_> = trace.axes.iter().flat_map(|axis| &axis.tables).collect();
+        let tables: Vec<_> = trace.axes().iter().flat_map(|axis| &axis.tables).collect();
         all.insert("empirical".to_owned(), json!(tables));
     }
     all
@@ -83,38 +85,38 @@ fn data_fault(fault: &DataFault) -> Value {
 }
 
 /// Pairs of effects that the logs do not distinguish, with the motion file that does.
-fn ambiguities(trace: &Trace) -> Vec<Value> {
-    let of_axis = |axis: &AxisTrace| {
-        let one = |ambiguity: &Ambiguity| {
+fn ambiguities(trace: &Identification) -> Vec<Value> {
+    let of_axis = |axis: &AxisIdentification| {
+        let one = |(ambiguity, proposal): (&Ambiguity, Option<&Proposal>)| {
             json!({
                 "axis": axis.axis,
                 "effects": [ambiguity.added.name(), ambiguity.rival.name()],
-                "motion": ambiguity.proposal.as_ref().map(|proposal| &proposal.motion),
+                "motion": proposal.map(|proposal| &proposal.motion),
             })
         };
-        axis.ambiguities.iter().map(one).collect::<Vec<_>>()
+        axis.ambiguities_with_motions().map(one).collect::<Vec<_>>()
     };
-    trace.axes.iter().flat_map(of_axis).collect()
+    trace.axes().iter().flat_map(of_axis).collect()
 }
 
 /// The effects found on all axes.
 #[must_use]
-pub fn effects(trace: &Trace) -> Vec<Value> {
+pub fn effects(trace: &Identification) -> Vec<Value> {
     of_axes(trace, |axis| axis.found.iter().map(|found| effect(axis, found)).collect())
 }
 
-fn of_axes(trace: &Trace, of: impl Fn(&AxisTrace) -> Vec<Value>) -> Vec<Value> {
-    trace.axes.iter().flat_map(of).collect()
+fn of_axes(trace: &Identification, of: impl Fn(&AxisIdentification) -> Vec<Value>) -> Vec<Value> {
+    trace.axes().iter().flat_map(of).collect()
 }
 
 /// The factor by which all declared values of an axis deviate, if it may be that of the logged force.
-fn common_factor(axis: &AxisTrace) -> Option<Value> {
+fn common_factor(axis: &AxisIdentification) -> Option<Value> {
     let factor = declared_value::mean_factor(&axis.declared_values);
     axis.has_force_scale.then(|| json!({"axis": axis.axis, "factor": factor}))
 }
 
 /// A declared value with its fit.
-fn declared(axis: &AxisTrace, value: &DeclaredValue) -> Value {
+fn declared(axis: &AxisIdentification, value: &DeclaredValue) -> Value {
     let DeclaredValue { key, declared, fitted, half_width, .. } = *value;
     json!({
         "axis": axis.axis,
@@ -127,7 +129,7 @@ fn declared(axis: &AxisTrace, value: &DeclaredValue) -> Value {
 }
 
 /// An effect that was not added because a parameter ended at a limit of its range.
-fn refused(axis: &AxisTrace, limit: &ParameterAtLimit) -> Value {
+fn refused(axis: &AxisIdentification, limit: &ParameterAtLimit) -> Value {
     let mut entry = json!({
         "name": limit.effect.name(),
         "axis": axis.axis,
@@ -142,7 +144,7 @@ fn refused(axis: &AxisTrace, limit: &ParameterAtLimit) -> Value {
     entry
 }
 
-fn residual(axis: &AxisTrace, error: &StageResidual) -> Value {
+fn residual(axis: &AxisIdentification, error: &StageResidual) -> Value {
     let (_, unit) = residual_unit(axis.unit, error.stage);
     let mut entry = Map::new();
     entry.insert("channel".to_owned(), json!(error.stage));
@@ -154,7 +156,7 @@ fn residual(axis: &AxisTrace, error: &StageResidual) -> Value {
     Value::Object(entry)
 }
 
-fn free_run(axis: &AxisTrace, run: &FreeRun) -> Value {
+fn free_run(axis: &AxisIdentification, run: &FreeRun) -> Value {
     let mut entry = json!(run);
     if let Value::Object(entry) = &mut entry {
         let (_, unit) = residual_unit(axis.unit, Stage::Motor);
@@ -164,7 +166,7 @@ fn free_run(axis: &AxisTrace, run: &FreeRun) -> Value {
     entry
 }
 
-fn repeatability(axis: &AxisTrace, split: &Repeatability) -> Value {
+fn repeatability(axis: &AxisIdentification, split: &Repeatability) -> Value {
     let mut entry = json!(split);
     if let Value::Object(entry) = &mut entry {
         let (_, unit) = residual_unit(axis.unit, split.stage);
@@ -174,7 +176,7 @@ fn repeatability(axis: &AxisTrace, split: &Repeatability) -> Value {
     entry
 }
 
-fn unexplained(axis: &AxisTrace, residual: &UnexplainedResidual) -> Value {
+fn unexplained(axis: &AxisIdentification, residual: &UnexplainedResidual) -> Value {
     let mut entry = json!(residual);
     if let Value::Object(entry) = &mut entry {
         let (_, unit) = residual_unit(axis.unit, residual.stage);
@@ -188,7 +190,7 @@ fn unexplained(axis: &AxisTrace, residual: &UnexplainedResidual) -> Value {
     entry
 }
 
-fn effect(axis: &AxisTrace, found: &FoundEffect) -> Value {
+fn effect(axis: &AxisIdentification, found: &FoundEffect) -> Value {
     let parameters = parameters(&found.effect, &found.half_widths, axis.unit == Unit::Degree);
     let mut entry = json!({
         "name": found.effect.name(),

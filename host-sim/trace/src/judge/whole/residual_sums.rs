@@ -3,8 +3,7 @@
 use super::WholeLogs;
 use super::normal_sums::bias;
 use crate::fit::fit_data::FitData;
-use crate::input::signals::Signals;
-use crate::outcome::Trace;
+use crate::judge::axis_findings::AxisFindings;
 use model::effects::Stage;
 
 /// Σr² of one stage of an axis.
@@ -33,27 +32,26 @@ pub struct PieceSquares {
 
 /// Σr² of the pieces of a set.
 #[must_use]
-pub fn residual_sums(whole: &WholeLogs<'_>, trace: &Trace, set: usize) -> Vec<PieceSquares> {
+pub fn residual_sums(whole: &WholeLogs<'_>, axes: &[AxisFindings], set: usize) -> Vec<PieceSquares> {
     whole.map(set, |piece, signals| {
         let logs = [signals];
-        let stages = (0..trace.axes.len()).flat_map(|axis| of_axis(trace, axis, &logs)).collect();
+        let of_axis = |(index, axis)| of_axis(&whole.data(&logs, index), axis);
+        let stages = axes.iter().enumerate().flat_map(of_axis).collect();
         let from_to_s = [piece.evaluated.start, piece.evaluated.end].map(|sample| piece.log.time_s(sample));
         PieceSquares { from_to_s, log: piece.log.source.clone(), stages }
     })
 }
 
-fn of_axis(trace: &Trace, index: usize, logs: &[Signals; 1]) -> Vec<StageSquares> {
-    let axis = &trace.axes[index];
-    let data = trace.data(logs, index);
+fn of_axis(data: &FitData<'_>, axis: &AxisFindings) -> Vec<StageSquares> {
     let mut all = Vec::new();
     for scope in &axis.scopes {
-        let bias = bias(&data, axis, &scope.stages);
-        let data = FitData { bias: &bias, ..data };
+        let bias = bias(data, axis, &scope.stages);
+        let data = FitData { bias: &bias, ..*data };
         let [before, after] = [&axis.baseline, &axis.model].map(|model| data.residuals(model, scope));
         for (before, after) in before.iter().zip(&after) {
             let counts = data.counting(after.stage, 0);
             all.push(StageSquares {
-                axis: index,
+                axis: data.axis,
                 stage: after.stage,
                 squares: [before, after].map(|series| series.values.iter().map(|r| r * r).sum()),
                 samples: (0..after.values.len()).filter(|&i| counts(i)).count(),

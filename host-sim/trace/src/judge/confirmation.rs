@@ -1,17 +1,18 @@
 //! Removal of effects with a parameter at a limit of its range, and of effects that the validation logs refute.
 
-use super::fitted_axis::FittedAxis;
 use super::found_effect::FoundEffect;
 use super::likelihood::refuting_loss;
 use super::refutation;
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
+use crate::fit::fitted_axis::FittedAxis;
 use crate::fit::intervals::{has_unknown_shape, may_be_zero};
 use crate::fit::least_squares;
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::Scope;
-use crate::fit::scope_fit::{Progress, ScopeFit, fitted_in_order};
+use crate::fit::scope_fit::{ScopeFit, fitted_in_order};
 use crate::search::companion::{is_companion, is_remainder};
 use crate::search::round::{Round, refused_at_limit};
+use crate::task::Progress;
 use model::effects::{Effect, Stage};
 
 /// Largest number of steps of a fit of the other parameters, after an effect was added with its final parameters.

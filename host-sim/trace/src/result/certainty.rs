@@ -5,14 +5,15 @@
 //! stage: it has a cause of which the effect may describe a part.
 
 use crate::analysis::variable::Variable;
-use crate::displaced_head;
+use crate::fit::declared_machine::DeclaredMachine;
+use crate::input::signals::Signals;
 use crate::input::signals::logged_channels;
+use crate::judge::axis_findings::{AxisFindings, StageResidual};
+use crate::judge::common_noise;
+use crate::judge::declared_value::{self, DeclaredValue};
+use crate::judge::found_effect::{FoundEffect, Remaining};
 use crate::options::VerdictOptions;
-use crate::outcome::{AxisTrace, StageResidual, Trace};
-use crate::validation::common_noise;
-use crate::validation::declared_value::{self, DeclaredValue};
-use crate::validation::found_effect::{FoundEffect, Remaining};
-use crate::verdict::{self, Verdict};
+use crate::result::displaced_head;
 use model::effects::{Imitation, ImitationContext, LoggedChannels, Stage};
 use model::machine::Machine;
 
@@ -22,32 +23,42 @@ const MAX_LOOP_RATIO: f64 = 10.0;
 
 /// Whether no other effect explains the logs as well, nothing imitates it, and the model with it describes its axis.
 #[must_use]
-pub fn is_certain(axis: &AxisTrace, found: &FoundEffect) -> bool {
-    found.is_certain() && verdict::of_axis(axis) != Verdict::ModelDoesNotFit
+pub fn is_certain(axis: &AxisFindings, found: &FoundEffect) -> bool {
+    found.is_certain() && !axis.is_undescribed()
 }
 
-/// Adds to the effects found what imitates them, and what remains in their stages.
-pub fn state_doubts(trace: &mut Trace) {
-    let ends_s =
-        trace.fit_logs.iter().map(|log| [log.start_s, log.start_s + log.len() as f64 * log.sample_s]);
+/// Findings with what speaks against them.
+pub struct Doubted {
+    /// The findings.
+    pub findings: AxisFindings,
+    /// Whether the scale of the logged force may be wrong, instead of masses, stiffness, friction and the gain of the loop.
+    pub has_force_scale: bool,
+}
+
+/// The findings with what imitates the effects, and what remains in their stages.
+#[must_use]
+pub fn doubted(axes: Vec<AxisFindings>, declared: &DeclaredMachine, fit_logs: &[Signals]) -> Vec<Doubted> {
+    let ends_s = fit_logs.iter().map(|log| [log.start_s, log.start_s + log.len() as f64 * log.sample_s]);
     let (starts_s, ends_s): (Vec<f64>, Vec<f64>) = ends_s.map(|[start_s, end_s]| (start_s, end_s)).unzip();
     let session_s = numerics::max(ends_s) - numerics::min(starts_s);
-    let Trace { axes, machine, options, fit_logs, .. } = trace;
     let jitters = axes.iter().any(has_common_noise);
-    let turned_s2 = turned_s2(axes);
-    for (number, axis) in axes.iter_mut().enumerate() {
+    let turned_s2 = turned_s2(&axes);
+    let doubted = |(number, axis)| {
         let channels = logged_channels(fit_logs, number);
-        of_axis(axis, machine, Logged { channels, session_s, jitters, turned_s2 }, &options.verdict);
-    }
+        let logged = Logged { channels, session_s, jitters, turned_s2 };
+        let axis = with_imitations(axis, &declared.machine, &logged, &declared.options.verdict);
+        of_declared_values(axis, jitters, &declared.options.verdict)
+    };
+    axes.into_iter().enumerate().map(doubted).collect()
 }
 
 /// Whether the channels of an axis share their noise: see [`common_noise`].
-fn has_common_noise(axis: &AxisTrace) -> bool {
+fn has_common_noise(axis: &AxisFindings) -> bool {
     axis.residuals.iter().any(|error| common_noise::is_common(error.stage, error.after.fit, error.noise))
 }
 
 /// See [`ImitationContext::turned_s2`]: of all axes, the largest angle and the largest displacement.
-fn turned_s2(axes: &[AxisTrace]) -> f64 {
+fn turned_s2(axes: &[AxisFindings]) -> f64 {
     let tools = || axes.iter().map(|axis| axis.model.parameters().tool);
     let angle = numerics::max(tools().map(|tool| 1e-6 * tool.probe.rotation.um_per_m.abs()));
     angle * numerics::max(tools().map(|tool| tool.max_displacement_s2()))
@@ -72,19 +83,20 @@ struct Logged {
     turned_s2: f64,
 }
 
-fn of_axis(
-    axis: &mut AxisTrace,
+/// The findings with what imitates the effects, and what remains in their stages.
+fn with_imitations(
+    mut axis: AxisFindings,
     machine: &Machine,
-    Logged { channels, session_s, jitters, turned_s2 }: Logged,
+    &Logged { channels, session_s, jitters, turned_s2 }: &Logged,
     options: &VerdictOptions,
-) {
+) -> AxisFindings {
     let stages: Vec<Stage> = axis.residuals.iter().map(|error| error.stage).collect();
-    let Some(declared) = machine.axis.get(&axis.axis) else { return };
+    let Some(declared) = machine.axis.get(&axis.axis) else { return axis };
     let determined = axis.declared_values.iter().filter(|value| value.is_determined());
     let fitted_to_declared: Vec<f64> = determined.map(|value| value.fitted / value.declared).collect();
     let tolerance = axis.declared_values.first().map_or(0.0, |value| value.tolerance);
-    let tool_follows_scale = follows_scale(axis, options);
-    let head_displacement_s2 = displaced_head::allowed_s2(axis, &declared.settings, options);
+    let tool_follows_scale = follows_scale(&axis, options);
+    let head_displacement_s2 = displaced_head::allowed_s2(&axis, &declared.settings, options);
     for found in &mut axis.found {
         let context = ImitationContext {
             axis: &declared.settings,
@@ -110,11 +122,11 @@ fn of_axis(
         let largest = remaining.max_by(|a, b| a.to_noise.total_cmp(&b.to_noise));
         found.remaining = largest.filter(|remaining| remaining.to_noise > options.max_certain_ratio);
     }
-    withdraw_declared(axis, jitters, options);
+    axis
 }
 
 /// See [`ImitationContext::tool_follows_scale`].
-fn follows_scale(axis: &AxisTrace, options: &VerdictOptions) -> bool {
+fn follows_scale(axis: &AxisFindings, options: &VerdictOptions) -> bool {
     let depends_on_position = axis
         .unexplained
         .iter()
@@ -123,7 +135,7 @@ fn follows_scale(axis: &AxisTrace, options: &VerdictOptions) -> bool {
     axis.residual(Stage::Tool).is_some_and(|tool| !(is_left(tool) && depends_on_position))
 }
 
-/// Withdraws that declared values are outside their tolerance
+/// The findings without the statement that declared values are outside their tolerance
 ///
 /// - where rows were read at instants that jitter;
 /// - where the model does not describe the axis or its loop;
@@ -133,26 +145,24 @@ fn follows_scale(axis: &AxisTrace, options: &VerdictOptions) -> bool {
 /// - where no force was logged: the loop shows the values relative to its gain only;
 /// - where the scale of the logged force explains all of them: together with the gain of the loop, which contradicts the masses by
 ///   the same factor, or where no loop could be evaluated or described.
-fn withdraw_declared(axis: &mut AxisTrace, jitters: bool, options: &VerdictOptions) {
+fn of_declared_values(mut findings: AxisFindings, jitters: bool, options: &VerdictOptions) -> Doubted {
+    let axis = &findings;
     let (motor, has_force) = (axis.residual(Stage::Motor), axis.residual(Stage::Force).is_some());
     let has_loop = !axis.is_of_another_machine && motor.is_some();
     let is_loop_unknown = motor.is_some_and(|motor| motor.ratio_to_noise(options.min_noise) > MAX_LOOP_RATIO);
     let is_imitated_by =
         |rival| axis.found.iter().flat_map(|found| &found.imitations).any(|imitation| *imitation == rival);
     let is_explained = is_imitated_by(Imitation::FORCE_GAIN);
-    axis.has_force_scale =
+    let has_force_scale =
         is_explained || !has_loop && declared_value::are_off_by_one_factor(&axis.declared_values);
-    let is_undescribed = !axis.is_of_another_machine
-        && (is_loop_unknown || verdict::of_axis(axis) == Verdict::ModelDoesNotFit);
+    let is_undescribed = !axis.is_of_another_machine && (is_loop_unknown || axis.is_undescribed());
     let is_any_undetermined = axis.declared_values.iter().any(DeclaredValue::is_undetermined);
     let is_head_known = axis.residual(Stage::Tool).is_some() && !is_imitated_by(Imitation::HEAD);
-    let is_none_known =
-        jitters || !has_force || axis.has_force_scale || is_undescribed || is_any_undetermined;
+    let is_none_known = jitters || !has_force || has_force_scale || is_undescribed || is_any_undetermined;
     let is_unknown = |value: &DeclaredValue| is_none_known || !is_head_known && value.is_of_division();
-    axis.declared_values
-        .iter_mut()
-        .filter(|value| is_unknown(value))
-        .for_each(|value| value.is_beyond_tolerance = false);
+    let unknown = findings.declared_values.iter_mut().filter(|value| is_unknown(value));
+    unknown.for_each(|value| value.is_beyond_tolerance = false);
+    Doubted { findings, has_force_scale }
 }
 
 /// Whether an effect is searched for in a stage, or reduces its residual most.

@@ -4,9 +4,9 @@
 //! with an effect, the validation logs decide. The value is bounded by its tolerance, and everything is fitted again; if this
 //! makes the validation logs significantly worse, the value is outside.
 
-use super::fitted_axis::FittedAxis;
 use super::likelihood::refuting_loss;
 use crate::fit::fit_data::FitData;
+use crate::fit::fitted_axis::FittedAxis;
 use crate::fit::intervals::covariance;
 use crate::fit::least_squares;
 use crate::fit::scope::Mechanics;

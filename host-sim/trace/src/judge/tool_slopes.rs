@@ -1,11 +1,11 @@
 //! Slopes of the tool against the tables, with their intervals, whether or not an effect was found.
 
 use crate::fit::fit_data::FitData;
+use crate::fit::fitted_axis::FittedAxis;
 use crate::fit::intervals::{covariance, half_widths};
 use crate::fit::least_squares;
 use crate::fit::scope_fit::ScopeFit;
-use crate::validation::fitted_axis::FittedAxis;
-use crate::validation::found_effect::FoundEffect;
+use crate::judge::found_effect::FoundEffect;
 use model::effects::{Effect, SlopeOf, Stage};
 
 /// A slope with the half width of its 95 % confidence interval, µm per m.

@@ -55,13 +55,14 @@ fn a_long_log_is_fitted_and_evaluated_as_a_whole() {
     let count = u32::try_from(options.admission.max_samples).unwrap() + 60_000;
     let [long, other] = [log("long.csv", count, 1, 0..0), log("other.csv", 30_000, 2, 0..0)];
     let traced = trace(&machine, std::slice::from_ref(&long), &[other], &|_| {}).unwrap();
-    assert!(traced.notes[0].contains("effects are searched for in 8 stretches"), "{:?}", traced.notes);
-    let axis = &traced.axes[0];
+    assert!(traced.notes()[0].contains("effects are searched for in 8 stretches"), "{:?}", traced.notes());
+    let axis = &traced.axes()[0];
     // The force of this log is that of the instant, not that of the interval before it, which is found as a latency beside the load.
     let found = &axis.found[0];
 
-    let logs = [Signals::new(&long, &traced.names, &options.samples)];
-    let data = FitData::new(&logs, &traced.names, 0, machine.rates(), &options);
+    let names = ["x".to_owned()];
+    let logs = [Signals::new(&long, &names, &options.samples)];
+    let data = FitData::new(&logs, &names, 0, machine.rates(), &options);
     let scope = &axis.scopes[0];
     let residuals = data.residuals(&axis.model, scope);
     let error = axis.residual(Stage::Force).unwrap();
@@ -109,13 +110,13 @@ fn a_disturbance_outside_of_the_stretches_is_reported_with_its_time() {
     let [of_sound, of_disturbed] =
         [&sound, &disturbed].map(|log| trace(&machine, std::slice::from_ref(log), &[], &|_| {}).unwrap());
     let about = |notes: &[String]| notes.iter().find(|note| note.contains("force stage")).cloned();
-    assert_eq!(about(&of_sound.notes), None);
-    let note = about(&of_disturbed.notes).unwrap();
+    assert_eq!(about(of_sound.notes()), None);
+    let note = about(of_disturbed.notes()).unwrap();
     let seconds: Vec<f64> = note.split_whitespace().filter_map(|word| word.parse().ok()).collect();
     let middle_s = 1e-3 * from as f64 + 5.0;
     assert!(seconds[0] < middle_s && middle_s < seconds[1], "{note}, disturbed from {from}");
-    let after = |trace: &crate::Trace| trace.axes[0].residuals[0].after;
+    let after = |trace: &crate::Identification| trace.axes()[0].residuals[0].after;
     let [least, most] = [after(&of_sound), after(&of_disturbed)].map(|rms| rms.fit.max(rms.validate));
     assert!(most > 2.0 * least, "{least} {most}");
-    assert!(!of_disturbed.axes[0].unexplained.is_empty());
+    assert!(!of_disturbed.axes()[0].unexplained.is_empty());
 }

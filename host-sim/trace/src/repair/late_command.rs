@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::fault::{DataFault, FaultHandling, FaultKind};
 use super::shifted::shifted;
 use crate::fit::axis_model::AxisModel;
+use crate::fit::declared_machine::DeclaredMachine;
 use crate::fit::fit_data::FitData;
 use crate::input::signals::{AxisSignals, Signals};
 use crate::options::FaultOptions;
@@ -148,6 +149,39 @@ pub struct Late {
     pub axis: usize,
     /// Number of samples by which it is late.
     pub samples: usize,
+}
+
+/// Signals whose late commands are shifted back.
+pub struct Shifted {
+    /// Signals of the fit logs and of the validation logs.
+    pub signals: [Vec<Signals>; 2],
+    /// The commands that were late, as faults.
+    pub faults: Vec<DataFault>,
+    /// Where they were late.
+    pub late: Vec<Late>,
+}
+
+/// Shifts commands back that are logged late, in all logs.
+#[must_use]
+pub fn shifted_back(declared: &DeclaredMachine, mut signals: [Vec<Signals>; 2]) -> Shifted {
+    let DeclaredMachine { machine, names, axes, options } = declared;
+    let (mut faults, mut all_late) = (Vec::new(), Vec::new());
+    for (axis, model) in axes.iter().enumerate() {
+        let found = signals.each_ref().map(|logs| {
+            let data = FitData::new(logs, names, axis, machine.rates(), options);
+            lateness(&data, model)
+        });
+        let of_session = of_session(&found.concat());
+        for (set, (logs, found)) in signals.iter_mut().zip(found).enumerate() {
+            for (log, (signals, lateness)) in logs.iter_mut().zip(found).enumerate() {
+                if let Some(samples) = of_session.or(lateness) {
+                    faults.push(shift_back(signals, axis, &names[axis], samples));
+                    all_late.push(Late { set, log, axis, samples });
+                }
+            }
+        }
+    }
+    Shifted { signals, faults, late: all_late }
 }
 
 /// Shifts the command of an axis of a log back, excludes the samples at its end from the motor stage, as their command was

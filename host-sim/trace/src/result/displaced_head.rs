@@ -5,8 +5,8 @@
 
 use std::ops::RangeInclusive;
 
+use crate::judge::axis_findings::AxisFindings;
 use crate::options::VerdictOptions;
-use crate::outcome::AxisTrace;
 use model::axis::Settings;
 use model::effects::Stage;
 
@@ -14,7 +14,7 @@ use model::effects::Stage;
 /// within the tolerance of what is declared. `None`: any, as table − motor was not evaluated, or keeps more than the noise.
 #[must_use]
 pub fn allowed_s2(
-    axis: &AxisTrace,
+    axis: &AxisFindings,
     declared: &Settings,
     options: &VerdictOptions,
 ) -> Option<RangeInclusive<f64>> {

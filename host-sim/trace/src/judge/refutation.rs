@@ -5,10 +5,10 @@
 
 use rayon::prelude::*;
 
-use super::fitted_axis::FittedAxis;
 use super::found_effect::FoundEffect;
 use super::likelihood::refuting_loss;
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
+use crate::fit::fitted_axis::FittedAxis;
 use crate::fit::scope::{Mechanics, Scope, ShownIn};
 use model::effects::Stage;
 

@@ -1,71 +1,44 @@
-//! Admission of logs: refusal, thinning.
+//! Refusal of logs that cannot be traced.
 
-use std::borrow::Cow;
-
-use super::{checks, copies, missing_channels, sampling_rate, saturation};
+use super::admitted::Admitted;
+use super::{checks, copies, missing_channels};
+use crate::input::saturation;
 use crate::options::AdmissionOptions;
 use files::error::InputError;
-use files::log::Log;
 use model::machine::Machine;
 
-/// The admitted logs, with notes for the user.
-#[derive(Clone, Debug)]
-pub struct Admitted<'a> {
-    /// Fit logs.
-    pub fit: Vec<Cow<'a, Log>>,
-    /// Validation logs; empty if the fit logs are to be split.
-    pub validate: Vec<Cow<'a, Log>>,
-    /// Sentences on logs that were thinned, and on missing channels.
-    pub notes: Vec<String>,
-}
-
-/// Fit logs and validation logs at the rate of the machine, with notes on those that were thinned.
-///
-/// # Errors
-/// For a log at a rate that is not a multiple of it.
-pub fn at_machine_rate<'a>(
-    machine: &Machine,
-    logs: [Vec<Cow<'a, Log>>; 2],
-    options: &AdmissionOptions,
-) -> Result<Admitted<'a>, InputError> {
-    let mut notes = Vec::new();
-    let mut at_rate = |logs: Vec<Cow<'a, Log>>| -> Result<Vec<Cow<'a, Log>>, InputError> {
-        logs.into_iter()
-            .map(|log| sampling_rate::at_machine_rate(machine, log, options, &mut notes))
-            .collect()
-    };
-    let [fit, validate] = logs;
-    let (fit, validate) = (at_rate(fit)?, at_rate(validate)?);
-    Ok(Admitted { fit, validate, notes })
-}
-
-/// Checks logs at the rate of the machine.
+/// The logs, if they can be traced, with notes on their missing channels and saturated forces.
 ///
 /// # Errors
 /// If a log does not match the machine file or the other logs, or contains no usable motion.
-pub fn admit<'a>(
+pub fn usable<'a>(
     machine: &Machine,
-    at_rate: Admitted<'a>,
+    admitted: Admitted<'a>,
     options: &AdmissionOptions,
 ) -> Result<Admitted<'a>, InputError> {
-    let Admitted { mut fit, mut validate, mut notes } = at_rate;
-    for log in fit.iter().chain(&validate) {
+    let Admitted { mut examined, mut notes } = admitted;
+    let [fit, validate] = &mut examined.logs;
+    for log in fit.iter().chain(&*validate) {
         checks::check(machine, log, options)?;
     }
-    checks::same_units(&fit, &validate)?;
-    copies::refuse(fit.iter().chain(&validate).map(AsRef::as_ref), options)?;
-    notes.extend(missing_channels::notes(machine, &fit, &validate)?);
-    notes.extend(missing_channels::remove_undriven_tools([&mut fit, &mut validate]));
-    saturation::check(machine, &fit, options, &mut notes)?;
-    Ok(Admitted { fit, validate, notes })
+    checks::same_units(fit, validate)?;
+    copies::refuse(fit.iter().chain(&*validate).map(AsRef::as_ref), options)?;
+    notes.extend(missing_channels::notes(machine, fit, validate)?);
+    notes.extend(missing_channels::remove_undriven_tools([&mut *fit, validate]));
+    saturation::check(machine, fit, options, &mut notes)?;
+    Ok(Admitted { examined, notes })
 }
 
 #[cfg(test)]
 mod tests {
+    use std::borrow::Cow;
+
+    use super::super::admitted::at_machine_rate;
     use super::*;
     use crate::input::signals::Signals;
     use crate::options::SampleOptions;
-    use files::log::{AxisLog, Unit};
+    use crate::repair::examine::Examined;
+    use files::log::{AxisLog, Log, Unit};
 
     const MACHINE: &str = "name = \"m\"\nsample_rate_hz = 1000.0\n[axis.x]\ntable_mass_kg = 100.0\ncontroller = \"p\"\n\
                            position_gain_per_s = 30.0\nvelocity_gain_n_s_per_m = 1e4\nforce_limit_n = 100.0\n[axis.y]\n";
@@ -96,7 +69,8 @@ mod tests {
         options: &AdmissionOptions,
     ) -> Result<Admitted<'a>, InputError> {
         let logs = [fit, validate].map(|logs| logs.iter().map(Cow::Borrowed).collect());
-        super::admit(machine, at_machine_rate(machine, logs, options)?, options)
+        let given = Examined { logs, ..Examined::default() };
+        usable(machine, at_machine_rate(machine, given, options)?, options)
     }
 
     fn refused(fit: &[Log], validate: &[Log]) -> String {
@@ -108,7 +82,7 @@ mod tests {
         let fast = log("fast.csv", 4000.0, Unit::Millimetre);
         let admitted =
             admit(&machine(), std::slice::from_ref(&fast), &[], &AdmissionOptions::default()).unwrap();
-        let thinned = &admitted.fit[0];
+        let thinned = &admitted.examined.logs[0][0];
         assert_eq!((thinned.len(), thinned.sample_time_s), (1000, 1e-3));
         let [all, some] = [&fast, thinned.as_ref()].map(|log| log.axes[0].motor.as_ref().unwrap());
         assert!(some.iter().zip(all.iter().step_by(4)).all(|(a, b)| (a - b).abs() < 1e-12));

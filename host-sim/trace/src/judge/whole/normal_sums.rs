@@ -8,8 +8,7 @@ use crate::fit::fitted_scope::FittedScope;
 use crate::fit::least_squares::derivatives;
 use crate::fit::model_bias;
 use crate::fit::normal_equations::{Block, blocks};
-use crate::input::signals::Signals;
-use crate::outcome::{AxisTrace, Trace};
+use crate::judge::axis_findings::AxisFindings;
 use model::effects::Stage;
 
 /// Weighted Σr², `Jᵀr` and `JᵀJ` of the scope of an axis over the fitted parts.
@@ -48,11 +47,11 @@ impl NormalSums {
 /// The normal equations of the scope of each axis with this number, at the models of the axes; `None` for an axis with fewer
 /// scopes, or one whose model is not to be fitted.
 #[must_use]
-pub fn normal_sums(whole: &WholeLogs<'_>, trace: &Trace, number: usize) -> Vec<Option<NormalSums>> {
+pub fn normal_sums(whole: &WholeLogs<'_>, axes: &[AxisFindings], number: usize) -> Vec<Option<NormalSums>> {
     let of_pieces = whole.map(0, |piece, signals| {
         let logs = [signals];
-        let of_axis = |axis: usize| of_piece(trace, axis, number, (piece.part, &logs));
-        (0..trace.axes.len()).map(of_axis).collect::<Vec<_>>()
+        let of_axis = |(index, axis)| of_piece(&whole.data(&logs, index), axis, number, piece.part);
+        axes.iter().enumerate().map(of_axis).collect::<Vec<_>>()
     });
     let mut of_pieces = of_pieces.into_iter();
     let mut sums = of_pieces.next().unwrap_or_default();
@@ -66,31 +65,31 @@ pub fn normal_sums(whole: &WholeLogs<'_>, trace: &Trace, number: usize) -> Vec<O
     sums
 }
 
-fn of_piece(
-    trace: &Trace,
-    index: usize,
-    number: usize,
-    (part, logs): (usize, &[Signals; 1]),
-) -> Option<NormalSums> {
-    let axis = &trace.axes[index];
+fn of_piece(data: &FitData<'_>, axis: &AxisFindings, number: usize, part: usize) -> Option<NormalSums> {
     let FittedScope { scope, exclusions, .. } = axis.fitted_scopes.get(number)?;
     let weights = axis.fitted_scopes[number].weights_of_log(part);
     let parameters = axis.model.free_parameters(scope).len();
-    if !axis.may_be_refined() || parameters == 0 || weights.is_empty() {
+    if !may_be_refined(axis) || parameters == 0 || weights.is_empty() {
         return None;
     }
-    let data = trace.data(logs, index);
-    let bias = bias(&data, axis, &scope.stages);
-    let data = FitData { bias: &bias, exclusions, ..data };
+    let bias = bias(data, axis, &scope.stages);
+    let data = FitData { bias: &bias, exclusions, ..*data };
     let residuals = data.residuals(&axis.model, scope);
     let all: Vec<usize> = (0..parameters).collect();
     let columns = derivatives(&data, &axis.model, scope, &all, &residuals);
     Some(NormalSums::of(&blocks(&data, &columns, &residuals, weights), parameters))
 }
 
+/// Whether a fit to whole logs may change the model: not if the machine file is that of another machine, or if an earlier trace wrote it
+/// and nothing new was found.
+fn may_be_refined(axis: &AxisFindings) -> bool {
+    let has_nothing_new = axis.model.found().is_empty() && axis.model.was_fitted();
+    !(axis.is_of_another_machine || has_nothing_new)
+}
+
 /// The error of the tracer's own simulation in some stages of a piece, if it is subtracted.
 #[must_use]
-pub fn bias(data: &FitData<'_>, axis: &AxisTrace, stages: &[Stage]) -> Vec<ResidualSeries> {
+pub fn bias(data: &FitData<'_>, axis: &AxisFindings, stages: &[Stage]) -> Vec<ResidualSeries> {
     if !axis.subtracts_bias {
         return Vec::new();
     }
