@@ -43,7 +43,7 @@ fn remarks(trace: &Identification) -> Vec<String> {
         unexplained.chain(axis.not_testable.iter().map(|stage| sentences::not_testable(&axis.axis, stage)))
     });
     // For several logs only the page and the JSON have it: it is long.
-    let shown = if trace.fit_logs().len() == 1 { &trace.axes()[..] } else { &[] };
+    let shown = if trace.fit_logs().len() == 1 { trace.axes() } else { &[] };
     let repeats =
         shown.iter().flat_map(|axis| axis.repeats.iter().map(|part| sentences::repeats(axis, part)));
     let free_runs =

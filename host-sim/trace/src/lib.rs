@@ -4,22 +4,23 @@
 //!
 //! | step | takes | returns | does |
 //! |---|---|---|---|
-//! | [`admit`] | [`Logs`] | [`Admitted`](admit::Admitted) | bridges lost rows, thins logs to the rate of the machine |
-//! | [`repair`] | [`Admitted`](admit::Admitted) | [`Repaired`](repair::Repaired) | names and corrects faults of the data, refuses logs that cannot be traced, filters signals |
-//! | [`fit`] | [`AxisData`](fit::axis_data::AxisData) | [`Baseline`](fit::Baseline) | fits the declared values within their tolerance |
-//! | [`search`] | [`Baseline`](fit::Baseline) | [`Hypotheses`](search::Hypotheses) | adds effects of the catalogue that the fit logs support |
-//! | [`judge`] | [`Hypotheses`](search::Hypotheses) | [`Findings`](judge::Findings) | drops effects at a limit and effects that the validation logs refute, analyses what remains |
-//! | [`result`] | [`Findings`](judge::Findings) | [`Identification`] | states what speaks against the effects, proposes motions that tell more |
+//! | [`mod@admit`] | [`Logs`] | [`Admitted`](admit::Admitted) | bridges lost rows, thins logs to the rate of the machine |
+//! | [`mod@repair`] | [`Admitted`](admit::Admitted) | [`Repaired`](repair::Repaired) | names and corrects faults of the data, refuses logs that cannot be traced, filters signals |
+//! | [`mod@fit`] | [`AxisData`](fit::axis_data::AxisData) | [`Baseline`](fit::Baseline) | fits the declared values within their tolerance |
+//! | [`mod@search`] | [`Baseline`](fit::Baseline) | [`Hypotheses`](search::Hypotheses) | adds effects of the catalogue that the fit logs support |
+//! | [`mod@judge`] | [`Hypotheses`](search::Hypotheses) | [`Findings`](judge::Findings) | drops effects at a limit and effects that the validation logs refute, analyses what remains |
+//! | [`mod@result`] | [`Findings`](judge::Findings) | [`Identification`] | states what speaks against the effects, proposes motions that tell more |
 //!
 //! `fit`, `search` and the first part of `judge` see one axis; all axes are traced at the same time.
 //!
 //! What several steps need stands beside them: signals ([`input`]), [`prediction`] of each stage by a model, from the measured signal
-//! upstream of the stage, [`analysis`] of residuals, [`alignment`] (names of the machine that the measuring chain imitates), thresholds
-//! ([`options`]).
+//! upstream of the stage, [`analysis`] of residuals, [`alignment`] (names of the machine that the measuring chain imitates), the way by
+//! which effects leave a model ([`dropped`]), thresholds ([`options`]).
 
 pub mod admit;
 pub mod alignment;
 pub mod analysis;
+pub mod dropped;
 pub mod fit;
 pub mod input;
 pub mod judge;

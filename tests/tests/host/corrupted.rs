@@ -46,7 +46,7 @@ fn an_effect_at_the_limit_of_its_search_is_rejected_by_name() {
     let axis = &trace.axes()[0];
     assert!(axis.found.iter().all(|found| found.effect.name() != "servo_mismatch"), "{:?}", axis.found);
     assert!(trace.better_machine().axis["x"].effect.is_empty(), "expected no effect in the model");
-    let json = trace::json::of(&trace, false);
+    let json = trace::json::Document::of(&trace, &[], false).value();
     let refused = json["refused"].as_array().unwrap();
     // A late command resembles a gain, and ended at its limit of a sample as well.
     let names: Vec<&str> = refused.iter().filter_map(|one| one["name"].as_str()).collect();
@@ -82,7 +82,7 @@ fn an_effect_that_the_validation_log_refutes_is_listed_with_both_residuals() {
     // The reported model is the one without the effect.
     let table = axis.residuals.iter().find(|error| error.stage == refuted.stage).unwrap();
     assert!((table.after.validate / refuted.before.validate - 1.0).abs() < 1e-9, "{table:?} {refuted:?}");
-    let json = trace::json::of(&trace, false);
+    let json = trace::json::Document::of(&trace, &[], false).value();
     assert_eq!(json["effects"].as_array().map(Vec::len), Some(0));
     assert_eq!(json["refuted"][0]["name"], "pitch_progressive");
     assert_eq!(json["refuted"][0]["before_um"]["validate"].as_f64(), Some(refuted.before.validate));
@@ -97,7 +97,7 @@ fn an_effect_that_the_validation_log_refutes_is_listed_with_both_residuals() {
 fn verdict_of(declared: &Machine, logs: [Log; 2]) -> (Verdict, bool) {
     let trace = traced(declared, logs);
     let verdict = verdict::of(&trace);
-    assert_eq!(trace::json::of(&trace, false)["verdict"], serde_json::json!(verdict));
+    assert_eq!(trace::json::Document::of(&trace, &[], false).value()["verdict"], serde_json::json!(verdict));
     let sentences = sentences::of_axis(&trace.axes()[0]);
     let starts =
         ["x: the model does not describe these logs", "x: this machine file does not describe this machine"];

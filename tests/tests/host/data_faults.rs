@@ -116,7 +116,7 @@ fn a_corrected_fault_leaves_the_result_of_the_sound_logs() {
                 assert!((0.9 * without..largest).contains(&with), "{context}");
             }
         }
-        let json = trace::json::of(&trace, false);
+        let json = trace::json::Document::of(&trace, &[], false).value();
         let fault = &json["data_faults"][0];
         assert_eq!((&fault["axis"], &fault["kind"]), (&"x".into(), &kind.name().into()));
         let summary = sentences::summary(&trace);

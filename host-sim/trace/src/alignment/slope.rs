@@ -4,6 +4,7 @@
 //! has the slope g − e with the gain g of the probe. Of three unknowns two are measured: where one of them alone explains both,
 //! it is taken; otherwise a slope as large as scales have errors is that of the screw or of the scale.
 
+use crate::dropped::{Dropped, Reason};
 use crate::judge::axis_findings::AxisFindings;
 use crate::judge::found_effect::FoundEffect;
 use crate::judge::tool_slopes::Slope;
@@ -82,7 +83,9 @@ fn to_scale(axis: &mut AxisFindings, screw: usize, slope: Slope) {
     let effect = SlopeOf::Scale.effect(slope.um_per_m);
     axis.found[screw].effect = effect.clone();
     axis.found[screw].rivals.clear();
-    axis.found.retain(|found| found.effect.slope() != Some(SlopeOf::Probe));
+    let is_of_probe = |found: &mut FoundEffect| found.effect.slope() == Some(SlopeOf::Probe);
+    let of_probe = axis.found.extract_if(.., is_of_probe).map(|found| found.effect);
+    axis.dropped.extend(of_probe.map(|effect| Dropped { effect, reason: Reason::MadeUpForName }));
     let is_replaced = |effect: &Effect| matches!(effect.slope(), Some(SlopeOf::Screw | SlopeOf::Probe));
     while let Some(index) = axis.model.found().iter().position(is_replaced) {
         axis.model = axis.model.without(index);

@@ -1,4 +1,4 @@
-//! Step 3, the fit: [`fit`](baseline::fit) takes the data of an axis, and returns its declared model fitted within its tolerance.
+//! Step 3, the fit: [`fit()`] takes the data of an axis, and returns its declared model fitted within its tolerance.
 //!
 //! What later steps fit with is here, too:
 //!

@@ -4,6 +4,7 @@ use crate::analysis::empirical::Empirical;
 use crate::analysis::free_run::FreeRun;
 use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
+use crate::dropped::Dropped;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::{FitAndValidationRms, ResidualSeries};
 use crate::fit::fitted_scope::FittedScope;
@@ -53,6 +54,8 @@ pub struct AxisFindings {
     /// Effects that the fit logs support and the validation logs refute. They are not in the model; `before` is the
     /// residual without the effect.
     pub refuted: Vec<FoundEffect>,
+    /// Effects that were added and dropped again, with the reasons, in this order.
+    pub dropped: Vec<Dropped>,
     /// Slopes of the tool over the tables, whether or not an effect was found.
     pub tool_slopes: ToolSlopes,
     /// Residuals by stage.

@@ -3,6 +3,7 @@
 use super::found_effect::FoundEffect;
 use super::likelihood::refuting_loss;
 use super::refutation;
+use crate::dropped::{Dropped, Reason};
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
 use crate::fit::fitted_axis::FittedAxis;
 use crate::fit::intervals::{has_unknown_shape, may_be_zero};
@@ -31,6 +32,8 @@ pub struct Confirmed {
     pub refused: Vec<ParameterAtLimit>,
     /// Effects that the validation logs refute.
     pub refuted: Vec<FoundEffect>,
+    /// All effects that were dropped, with the reasons.
+    pub dropped: Vec<Dropped>,
 }
 
 /// Drops effects that ended at a limit in the final fit, and effects that the validation logs refute, one after the other.
@@ -43,10 +46,12 @@ pub fn confirm(
     progress: &Progress<'_>,
 ) -> Confirmed {
     let name = fit_data.name();
-    let (mut refused, mut refuted) = (Vec::new(), Vec::new());
+    let (mut refused, mut refuted, mut dropped) = (Vec::new(), Vec::new(), Vec::new());
+    let mut leaves =
+        |effect: &Effect, reason: Reason| dropped.push(Dropped::new(effect, reason, name, progress));
     loop {
         if let Some((index, limit)) = axis.model.first_at_limit() {
-            progress(&format!("{name}: {} is at a limit of its range", limit.effect.name()));
+            leaves(&limit.effect, Reason::AtLimit);
             axis = axis.without(fit_data, index);
             refused.push(limit);
             continue;
@@ -62,10 +67,7 @@ pub fn confirm(
                 || !effect.exceeds_tolerance(nominal, fit_data.rates)
         };
         if let Some(index) = (0..axis.model.found().len()).find(is_not_shown) {
-            progress(&format!(
-                "{name}: {} is too uncertain or within tolerance",
-                axis.model.found()[index].name()
-            ));
+            leaves(&axis.model.found()[index], Reason::NotShown);
             axis = axis.without(fit_data, index);
             continue;
         }
@@ -73,23 +75,25 @@ pub fn confirm(
         let reported = reported(fit_data, validate, &axis);
         // The reported intervals contain what earlier fits leave uncertain, too.
         if let Some(one) = reported.iter().find(|one| one.found.may_be_zero()) {
-            progress(&format!("{name}: the interval of {} contains zero", one.found.effect.name()));
+            leaves(&one.found.effect, Reason::IntervalContainsZero);
             axis = axis.without(fit_data, one.index);
             continue;
         }
         let losses = reported.iter().filter_map(|one| Some((one.loss?, one)));
         // First each effect is tested as it was added, without the later ones; then by removing only this effect.
         if let Some((_, one)) = losses.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            leaves(&one.found.effect, Reason::Refuted);
             axis = axis.without(fit_data, one.index);
             refuted.push(one.found.clone());
         } else if let Some(refutation) = refutation::worst(fit_data, validate, &axis, stages) {
+            leaves(&refutation.found.effect, Reason::Refuted);
             axis = refutation.without;
             refuted.push(refutation.found);
         } else {
             let found =
                 reported.into_iter().map(|one| one.shown([fit_data, validate], &axis, stages)).collect();
             add_refused(&mut refused, &axis, rounds);
-            return Confirmed { axis, found, refused, refuted };
+            return Confirmed { axis, found, refused, refuted, dropped };
         }
     }
 }

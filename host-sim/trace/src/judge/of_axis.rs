@@ -10,6 +10,7 @@ use super::remainder::Remainder;
 use super::tool_slopes::ToolSlopes;
 use crate::alignment::{self, drift_rate};
 use crate::analysis::free_run::{FreeRun, free_runs};
+use crate::dropped::{Dropped, Reason};
 use crate::fit::axis_data::AxisData;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::exclusion::Exclusion;
@@ -34,7 +35,7 @@ pub fn judge(job: &Job<'_>, axis: &AxisData<'_>, hypotheses: Hypotheses) -> Axis
     let data = axis.without_bias(&bias);
     let tested: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
     let candidates = drift_rate::with_rates(&data.fit, searched);
-    let Confirmed { axis: confirmed, found, refused, refuted } =
+    let Confirmed { axis: confirmed, found, refused, refuted, dropped: by_logs } =
         confirm([&data.fit, &data.validate], candidates, &tested, &rounds, job.progress);
     let fitted_scopes = FittedScope::of(&confirmed.fits);
     let declared_values = declared_values([&data.fit, &data.validate], &confirmed);
@@ -46,14 +47,19 @@ pub fn judge(job: &Job<'_>, axis: &AxisData<'_>, hypotheses: Hypotheses) -> Axis
         refused: refused.len(),
     };
     let is_of_another_machine = is_of_another_machine(&data.fit, evidence, &scopes);
-    let (final_model, final_found) = if is_of_another_machine {
-        (confirmed.baseline.clone(), Vec::new())
+    let (final_model, final_found, by_machine) = if is_of_another_machine {
+        let leaves = |found: &FoundEffect| {
+            Dropped::new(&found.effect, Reason::OtherMachine, data.fit.name(), job.progress)
+        };
+        (confirmed.baseline.clone(), Vec::new(), found.iter().map(leaves).collect())
     } else {
-        (previous_fit_if_nothing_new(&data.fit, &written, confirmed.model, &scopes), found)
+        (previous_fit_if_nothing_new(&data.fit, &written, confirmed.model, &scopes), found, Vec::new())
     };
     let baseline = shown_before(job, &data, &scopes, [confirmed.baseline, final_model.clone()]);
     let (model, remainder) = remaining(job, &data, [&baseline, &final_model], (&scopes, &exclusions));
     let (ambiguities, mut found) = with_rivals(&rounds, final_found);
+    let in_search = rounds.iter().flat_map(|round| &round.dropped).cloned();
+    let dropped = in_search.chain(by_logs).chain(by_machine).collect();
     alignment::doubt(&data.fit, &model, &scopes, &mut found);
     let Remainder { residuals, unexplained, repeats, tables } = remainder;
     AxisFindings {
@@ -73,6 +79,7 @@ pub fn judge(job: &Job<'_>, axis: &AxisData<'_>, hypotheses: Hypotheses) -> Axis
         found,
         refused,
         refuted,
+        dropped,
         tool_slopes,
         residuals,
         unexplained,
@@ -84,8 +91,8 @@ pub fn judge(job: &Job<'_>, axis: &AxisData<'_>, hypotheses: Hypotheses) -> Axis
     }
 }
 
-/// The model of the machine file, if an earlier trace wrote it and no effect was confirmed: effects that were tried and refuted leave
-/// the other values slightly different.
+/// The model of the machine file, if an earlier trace wrote it and no effect was confirmed: effects that were tried and
+/// refuted leave the other values slightly different.
 fn previous_fit_if_nothing_new(
     data: &FitData<'_>,
     written: &AxisModel,

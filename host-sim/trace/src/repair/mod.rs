@@ -1,4 +1,4 @@
-//! Step 2, repair: [`repair`](repaired::repair) takes admitted logs, and returns their signals without the faults that can be corrected.
+//! Step 2, repair: [`repair()`] takes admitted logs, and returns their signals without the faults that can be corrected.
 //!
 //! A fault that can be corrected is corrected, and the samples that it spoils are excluded from the residuals
 //! ([`excluded`]); a channel that cannot be used is removed from its log. Either is reported as a [`DataFault`].

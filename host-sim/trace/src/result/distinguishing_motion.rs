@@ -8,21 +8,29 @@ use crate::input::smoothing::Smooth;
 use crate::options::AdmissionOptions;
 use files::log::{AxisLog, Log};
 use model::machine::Machine;
-use motion::Motion;
+use motion::{Lines, Motion};
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run};
 use shared::scalar::Format;
 
 /// A motion that distinguishes two effects.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Proposal {
-    /// Text of the motion file.
-    pub motion: String,
+    /// The motion.
+    pub motion: Lines,
     /// Printed name of the motion.
     pub name: &'static str,
     /// Largest rms difference of a channel, in units of its noise.
     pub difference: f64,
+}
+
+impl Proposal {
+    /// Text of the motion file.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        self.motion.to_toml(&format!("{}: tells two effects apart that the logs do not.", self.name))
+    }
 }
 
 /// A motion that is tried.
@@ -81,16 +89,15 @@ pub fn propose(
     let names: Vec<&String> = machines[0].axis.keys().collect();
     let proposal = |trial: &Trial| {
         let motion = trial.motion(&names, axis, logs, options)?;
-        let [a, b] = machines.map(|machine| run(machine, &motion));
+        let [a, b] = machines.map(|machine| run(machine, motion.motion()?));
         let difference = difference(a?.axes.get(axis)?, b?.axes.get(axis)?);
         Some(Proposal { motion, name: trial.name, difference })
     };
     TRIALS.iter().filter_map(proposal).max_by(|a, b| a.difference.total_cmp(&b.difference))
 }
 
-fn run(machine: &Machine, motion: &str) -> Option<Log> {
-    let motion = Motion::parse(motion, "proposal").ok()?;
-    let path = MachinePath::new(&motion, machine, "proposal").ok()?;
+fn run(machine: &Machine, motion: &Motion) -> Option<Log> {
+    let path = MachinePath::new(motion, machine, "proposal").ok()?;
     let mut controller = simulate::controller(machine, Format::F64, &path.start_m).ok()?;
     let run = Run {
         machine,
@@ -123,51 +130,40 @@ fn difference(a: &AxisLog, b: &AxisLog) -> f64 {
 }
 
 impl Trial {
-    /// The motion file, within travel, speed and acceleration of the axes in the logs.
+    /// The motion, within travel, speed and acceleration of the axes in the logs.
     fn motion(
         &self,
         names: &[&String],
         axis: usize,
         logs: &[Signals],
         options: &AdmissionOptions,
-    ) -> Option<String> {
+    ) -> Option<Lines> {
         let range = |index: usize| MotionRange::of(logs, index, options.min_travel_mm);
         let moving: Vec<usize> = (0..names.len()).filter(|&i| (i != axis) == self.of_others).collect();
         let ranges: Vec<MotionRange> = moving.iter().map(|&i| range(i)).collect::<Option<_>>()?;
         let speed = ranges.iter().map(|range| range.speed_mm_s).reduce(f64::min)?;
         let acceleration = ranges.iter().map(|range| range.acceleration_m_per_s2).reduce(f64::min)?;
         let at = |fraction: f64| {
-            let position = |(i, range): (&usize, &MotionRange)| {
-                format!("{} = {:.3}", names[*i], range.middle_mm + fraction * range.half_mm)
+            let position = move |(i, range): (&usize, &MotionRange)| {
+                (names[*i].as_str(), range.middle_mm + fraction * range.half_mm)
             };
-            moving.iter().zip(&ranges).map(position).collect::<Vec<_>>().join(", ")
+            moving.iter().zip(&ranges).map(position)
         };
         let others = (0..names.len()).filter(|i| !moving.contains(i));
-        let at_rest = others.filter_map(|i| Some(format!("{} = {:.3}", names[i], range(i)?.middle_mm)));
-        let start: Vec<String> = std::iter::once(at(0.0)).chain(at_rest).collect();
-        let mut text = format!(
-            "# {}: tells two effects apart that the logs do not.\nname = \"{}\"\nfeed_mm_per_min = {:.1}\n\
-             acceleration_m_per_s2 = {:.3}\nstart_mm = {{ {} }}\n\n[[block]]\ndwell_s = 0.5\n",
-            self.name,
-            self.name,
-            60.0 * speed,
-            acceleration,
-            start.join(", ")
-        );
+        let at_rest = others.filter_map(|i| Some((names[i].as_str(), range(i)?.middle_mm)));
+        let start_mm = at(0.0).chain(at_rest).map(|(name, mm)| (name.to_owned(), mm)).collect();
+        let mut lines = Lines::begin(self.name, start_mm, [60.0 * speed, acceleration]);
+        lines.dwell(0.5);
         for (i, [travel, speed_fraction, acceleration_fraction]) in self.strokes.iter().enumerate() {
             if i + 1 == self.strokes.len() {
-                text += &format!("\n[[block]]\ndwell_s = {:.1}\n", self.pause_s);
+                lines.dwell(self.pause_s);
             }
             for end in [1.0, -1.0, 0.0] {
-                text += &format!(
-                    "\n[[block]]\nline_to_mm = {{ {} }}\nfeed_mm_per_min = {:.1}\nacceleration_m_per_s2 = {:.3}\n",
-                    at(end * travel),
-                    60.0 * speed * speed_fraction,
-                    acceleration * acceleration_fraction
-                );
+                let pace = [60.0 * speed * speed_fraction, acceleration * acceleration_fraction];
+                lines.line(at(end * travel), pace);
             }
         }
-        Some(text)
+        Some(lines)
     }
 }
 
@@ -212,11 +208,13 @@ mod tests {
         };
         let late = machine("name = \"latency\"\nchannel = \"tool\"\nms = 0.5\n");
         let intalk = machine("name = \"intalk\"\num_s2_per_m = 3.0\n");
-        let log = run(&late, model::examples::VMC_CIRCLE).unwrap();
+        let circle = Motion::parse(model::examples::VMC_CIRCLE, "circle.toml").unwrap();
+        let log = run(&late, &circle).unwrap();
         let names: Vec<String> = late.axis.keys().cloned().collect();
         let logs = [Signals::new(&log, &names, &SampleOptions::default())];
         let proposal = propose([&late, &intalk], 0, &logs, &AdmissionOptions::default()).unwrap();
-        Motion::parse(&proposal.motion, "proposal.toml").unwrap();
+        let written = Motion::parse(&proposal.to_toml(), "proposal.toml").unwrap();
+        assert_eq!(Some(&written), proposal.motion.motion());
         // In strokes at full speed, 33 mm/s times 0.5 ms are 17 µm, about two hundred times the noise of 80 nm.
         assert!((50.0..400.0).contains(&proposal.difference), "{proposal:?}");
     }

@@ -1,5 +1,6 @@
 //! The verdict: whether the model explains the logs.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::identification::{AxisIdentification, Identification};
@@ -7,7 +8,7 @@ use crate::judge::axis_findings::StageResidual;
 use crate::repair::FaultHandling;
 
 /// Agreement of model and logs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The residual of the fitted logs is at the level of the noise.

@@ -38,7 +38,7 @@ fn a_table_that_one_log_lacks_is_used_in_the_others() {
     // The validation logs keep theirs.
     let [fit, validate] = [&part.logs[0], &case.logs[1]];
     let trace = trace(&case.machine(), fit, validate, &|_| {}).unwrap();
-    let json = trace::json::of(&trace, false);
+    let json = trace::json::Document::of(&trace, &[], false).value();
     assert_eq!(certain(&json), case.truth, "{:#}", json["effects"]);
     let note = format!("{}: has no x table, y table", fit[lacking].source);
     assert!(trace.notes().iter().any(|said| said.starts_with(&note)), "{:?}", trace.notes());

@@ -74,9 +74,9 @@ fn no_effect_is_certain_beside_a_gross_residual() {
     });
     let wander_mm = |i: usize| 0.3 * (1.0e-3 * i as f64).sin() * (1.7e-3 * i as f64).sin();
     let certainty = |change: &dyn Fn(&mut Log)| {
-        let json = trace::json::effects(&machine.trace_of(change));
-        let stribeck =
-            json.iter().find(|effect| effect["name"] == "stribeck" && effect["axis"] == "x").unwrap();
+        let json = serde_json::json!(trace::json::effects(&machine.trace_of(change)));
+        let mut effects = json.as_array().unwrap().iter();
+        let stribeck = effects.find(|effect| effect["name"] == "stribeck" && effect["axis"] == "x").unwrap();
         stribeck["certainty"].clone()
     };
     assert_eq!(certainty(&|_| {}), "certain");

@@ -71,7 +71,7 @@ fn a_stiffness_that_varies_is_said_and_has_no_certain_name() {
     let trace = machine.trace();
     let false_names = certain(&trace).into_iter().filter(|(_, name)| *name != "windup");
     assert_eq!(false_names.collect::<Vec<_>>(), [], "{}", context(&trace));
-    let [x, y] = &trace.axes()[..] else { panic!("{}", context(&trace)) };
+    let [x, y] = trace.axes() else { panic!("{}", context(&trace)) };
     assert!(!x.unexplained.is_empty() && y.found.is_empty(), "{}", context(&trace));
 }
 
