@@ -89,7 +89,7 @@ fn whole(criterion: &mut Criterion) {
         let trace = || trace::trace(&case.machine, &case.fit, &case.validate, &|_| {}).unwrap();
         let checked = || {
             let trace = trace();
-            let names = || trace.axes.iter().flat_map(|axis| &axis.found).map(|found| found.effect.name());
+            let names = || trace.axes().iter().flat_map(|axis| &axis.found).map(|found| found.effect.name());
             assert!(expected.iter().all(|name| names().any(|found| found == *name)));
             trace
         };

@@ -26,8 +26,9 @@ use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run, SimulationError};
 use shared::scalar::Format;
-use trace::Trace;
-use trace::outcome::{AxisTrace, StageResidual};
+use trace::AxisIdentification;
+use trace::Identification;
+use trace::judge::StageResidual;
 
 /// The declared machine.
 pub use model::examples::DEMO_MACHINE as MACHINE;
@@ -87,7 +88,7 @@ pub struct Traced {
     /// The true machine and its undeclared effect.
     pub drawn: Drawn,
     /// The trace of its logs, from the declared machine alone.
-    pub trace: Trace,
+    pub trace: Identification,
     /// The contour errors of its logs.
     pub contour_errors: Vec<LogError>,
 }
@@ -221,10 +222,10 @@ pub struct Headline {
 }
 
 impl Traced {
-    /// Trace of the axis with the undeclared effect.
+    /// Identification of the axis with the undeclared effect.
     #[must_use]
-    pub fn axis(&self) -> Option<&AxisTrace> {
-        self.trace.axes.iter().find(|axis| axis.axis == self.drawn.axis)
+    pub fn axis(&self) -> Option<&AxisIdentification> {
+        self.trace.axes().iter().find(|axis| axis.axis == self.drawn.axis)
     }
 
     /// The position stage of that axis with the largest decrease of the residual relative to its noise. If none

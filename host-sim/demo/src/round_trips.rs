@@ -17,7 +17,7 @@ use model::machine::Machine;
 use plant::instruments::Instruments;
 use self_test::case::Case;
 use self_test::truth::Truth;
-use trace::Trace;
+use trace::Identification;
 
 /// How far the measured error may be from the predicted one, as a fraction.
 pub const MAX_PREDICTION_ERROR: f64 = 0.15;
@@ -169,7 +169,7 @@ fn of_self_test(number: u64, has_feedforward: bool) -> Result<RoundTrip, DemoErr
 fn round_trip(
     seed: u64,
     effects: Vec<String>,
-    trace: &Trace,
+    trace: &Identification,
     machine_under_test: (&dyn MachineUnderTest, &CompensationFile),
 ) -> Result<RoundTrip, DemoError> {
     let Compensated { motions, limits, .. } = compensated(&trace.better_machine(), machine_under_test, seed)?;

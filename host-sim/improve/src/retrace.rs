@@ -6,7 +6,7 @@
 use files::error::InputError;
 use files::log::Log;
 use model::machine::Machine;
-use trace::Trace;
+use trace::Identification;
 
 /// The logs of all rounds.
 pub struct Logs {
@@ -32,7 +32,7 @@ impl Logs {
         model: &Machine,
         is_compensated: bool,
         progress: &(dyn Fn(&str) + Sync),
-    ) -> Result<Trace, InputError> {
+    ) -> Result<Identification, InputError> {
         let open = if is_compensated { without_loops(model) } else { model.clone() };
         trace::trace(&open, &self.fit, &self.judged, progress)
     }

@@ -9,14 +9,14 @@ use margins::MarginLimits;
 use margins::change::first_too_little;
 use model::machine::Machine;
 use plant::instruments::Instruments;
-use trace::Trace;
-use trace::outcome::AxisTrace;
+use trace::AxisIdentification;
+use trace::Identification;
 use trace::verdict::{self, Verdict};
 
 /// One round: what was traced, and the motions before, as predicted, and after.
 pub struct Round {
     /// The trace of all logs so far.
-    pub trace: Trace,
+    pub trace: Identification,
     /// The traced machine.
     pub model: Machine,
     /// Its compensation.
@@ -59,9 +59,9 @@ impl Round {
             found if found.is_empty() => "nothing new".to_owned(),
             found => found.join(", "),
         };
-        let is_wrong = |axis: &&AxisTrace| verdict::of_axis(axis) == Verdict::ModelDoesNotFit;
+        let is_wrong = |axis: &&AxisIdentification| verdict::of_axis(axis) == Verdict::ModelDoesNotFit;
         let wrong: Vec<&str> =
-            self.trace.axes.iter().filter(is_wrong).map(|axis| axis.axis.as_str()).collect();
+            self.trace.axes().iter().filter(is_wrong).map(|axis| axis.axis.as_str()).collect();
         if wrong.is_empty() {
             return found;
         }

@@ -9,12 +9,12 @@ use model::effects::Stage;
 use model::machine::Machine;
 use rayon::prelude::*;
 use shared::config::Rates;
-use trace::axis_trace::fit_values;
+use trace::AxisIdentification;
+use trace::Progress;
 use trace::fit::axis_model::AxisModel;
+use trace::fit::baseline::fit_values;
 use trace::fit::fit_data::FitData;
-use trace::fit::scope_fit::Progress;
-use trace::outcome::AxisTrace;
-use trace::{Trace, TraceOptions};
+use trace::{Identification, TraceOptions};
 
 use crate::control_loop::DIVIDERS;
 use crate::rough::{Origin, Rough};
@@ -81,7 +81,11 @@ impl Search<'_> {
     ///
     /// # Errors
     /// If the logs do not belong to the machine.
-    pub fn best_forms(&self, forms: &[Vec<Rough>], divider: u32) -> Result<(Vec<Fitted>, Trace), InputError> {
+    pub fn best_forms(
+        &self,
+        forms: &[Vec<Rough>],
+        divider: u32,
+    ) -> Result<(Vec<Fitted>, Identification), InputError> {
         let rounds = forms.iter().map(Vec::len).max().unwrap_or(0).clamp(1, MOST_FORMS);
         let mut best: Vec<Option<Fitted>> = forms.iter().map(|_| None).collect();
         let mut examined = None;
@@ -90,7 +94,7 @@ impl Search<'_> {
                 forms.iter().filter_map(|forms| forms.get(round.min(forms.len().checked_sub(1)?))).collect();
             (self.progress)(&format!("form {} of {rounds} of the loops", round + 1));
             let trace = self.searched(&tried, divider)?;
-            for ((best, rough), axis) in best.iter_mut().zip(tried).zip(&trace.axes) {
+            for ((best, rough), axis) in best.iter_mut().zip(tried).zip(trace.axes()) {
                 let tried = Fitted::of(rough, axis);
                 if best.as_ref().is_none_or(|best| tried.motor_rms < BETTER_FORM * best.motor_rms) {
                     *best = Some(tried);
@@ -106,11 +110,11 @@ impl Search<'_> {
     }
 
     /// A trace from first values: they are fitted, then effects are searched for.
-    fn searched(&self, tried: &[&Rough], divider: u32) -> Result<Trace, InputError> {
+    fn searched(&self, tried: &[&Rough], divider: u32) -> Result<Identification, InputError> {
         let first =
             trace::evaluate(&self.machine(tried, FIRST_PERCENT, divider), self.logs, &[], self.progress)?;
         let fitted: Vec<Rough> =
-            tried.iter().zip(&first.axes).map(|(rough, axis)| with_values_of(rough, &axis.model)).collect();
+            tried.iter().zip(first.axes()).map(|(rough, axis)| with_values_of(rough, &axis.model)).collect();
         let fitted: Vec<&Rough> = fitted.iter().collect();
         let mut options = TraceOptions::default();
         options.search.max_effects = MOST_EFFECTS;
@@ -123,7 +127,7 @@ impl Search<'_> {
     }
 
     /// The ticks of the velocity loop per sample, which all axes share, with which the fits leave least; the values are then those.
-    pub fn best_divider(&self, best: &mut Vec<Fitted>, examined: &Trace) -> u32 {
+    pub fn best_divider(&self, best: &mut Vec<Fitted>, examined: &Identification) -> u32 {
         let error = |all: &[Fitted]| all.iter().map(|fitted| fitted.motor_rms.ln()).sum::<f64>();
         let mut kept = (f64::INFINITY, DIVIDERS[0]);
         let start = best.clone();
@@ -143,7 +147,7 @@ impl Search<'_> {
     /// Whether a loop that commands the velocity of an unknown drive has no other gain with the same lag that describes the motor about as
     /// well, with another bandwidth of the drive. True for other drives.
     #[must_use]
-    pub fn shows_gain(&self, examined: &Trace, axis: usize, fitted: &Fitted) -> bool {
+    pub fn shows_gain(&self, examined: &Identification, axis: usize, fitted: &Fitted) -> bool {
         let controller = &fitted.rough.settings.controller;
         let (Drive::Velocity, Some(gain_per_s)) = (controller.drive, controller.position_gain_per_s) else {
             return true;
@@ -163,11 +167,11 @@ impl Search<'_> {
     }
 
     /// The values of an axis fitted at a rate of the velocity loop, without a search.
-    fn refitted(&self, examined: &Trace, axis: usize, rough: &Rough, divider: u32) -> Fitted {
+    fn refitted(&self, examined: &Identification, axis: usize, rough: &Rough, divider: u32) -> Fitted {
         let sample_rate_hz = self.known.sample_rate_hz;
         let rates =
             Rates { velocity_loop_hz: f64::from(divider) * sample_rate_hz, position_loop_divider: divider };
-        let data = FitData { rates, ..examined.data(&examined.fit_logs, axis) };
+        let data = FitData { rates, ..examined.data(examined.fit_logs(), axis) };
         let (model, left) = fit_values(&rough.free(SECOND_PERCENT), &data);
         let motor = left.iter().find(|(stage, _)| *stage == Stage::Motor);
         Fitted {
@@ -180,7 +184,7 @@ impl Search<'_> {
 
 impl Fitted {
     /// The values of a trace with the effects that it found, without those of the loops, and with what it leaves of the motor.
-    fn of(rough: &Rough, axis: &AxisTrace) -> Self {
+    fn of(rough: &Rough, axis: &AxisIdentification) -> Self {
         let mut rough = with_values_of(rough, &axis.model);
         let found = axis.model.found().iter().filter(|effect| *effect.stages() != [Stage::Motor]);
         rough.beside.extend(found.cloned());

@@ -6,11 +6,11 @@ use files::error::InputError;
 use files::log::{Log, Unit};
 use model::axis::{Drive, Settings, TOLERATED};
 use model::machine::{Axis, Machine};
-use trace::fit::scope_fit::Progress;
+use trace::AxisIdentification;
+use trace::Progress;
 use trace::input::signals::Signals;
-use trace::outcome::AxisTrace;
 use trace::stages::stage_names;
-use trace::{Trace, TraceOptions};
+use trace::{Identification, TraceOptions};
 
 use crate::control_loop::DIVIDERS;
 use crate::form::{SECOND_PERCENT, Search, with_values_of};
@@ -90,8 +90,8 @@ pub fn machine(known: &Machine, logs: &[Log], progress: &Progress<'_>) -> Result
     let best: Vec<&Rough> = best.iter().map(|fitted| &fitted.rough).collect();
     let mut machine = search.machine(&best, SECOND_PERCENT, divider);
     let last = trace::evaluate(&machine, logs, &[], progress)?;
-    let (mut values, mut notes) = (BTreeMap::new(), last.notes.clone());
-    for (index, (rough, axis)) in best.into_iter().zip(&last.axes).enumerate() {
+    let (mut values, mut notes) = (BTreeMap::new(), last.notes().to_vec());
+    for (index, (rough, axis)) in best.into_iter().zip(last.axes()).enumerate() {
         let mut rough = with_values_of(rough, &axis.model);
         let declared = &known.axis[&axis.axis];
         let of_axis: Vec<_> = signals.iter().map(|log| &log.axes[index]).collect();
@@ -110,7 +110,7 @@ pub fn machine(known: &Machine, logs: &[Log], progress: &Progress<'_>) -> Result
 }
 
 /// What stays unknown, and what was assumed: kinds of drives, the rate of the velocity loop.
-fn unknown(machine: &Machine, last: &Trace, known: &Machine) -> Vec<String> {
+fn unknown(machine: &Machine, last: &Identification, known: &Machine) -> Vec<String> {
     let mut notes = Vec::new();
     if let (Some(rate_hz), None) = (machine.velocity_loop_rate_hz, known.velocity_loop_rate_hz) {
         notes.push(format!(
@@ -125,7 +125,7 @@ fn unknown(machine: &Machine, last: &Trace, known: &Machine) -> Vec<String> {
                 "{name}: drive = \"{word}\" is assumed from the channels of the logs; --set {name}.drive=… says another."
             ));
         }
-        let is_linear = last.axes[index].unit == Unit::Millimetre;
+        let is_linear = last.axes()[index].unit == Unit::Millimetre;
         if axis.settings.mechanics.lead_mm.is_none() && is_linear {
             let seen = period::strongest(last, index).map_or(String::new(), |[period_mm, amplitude_um]| {
                 format!(
@@ -135,7 +135,7 @@ fn unknown(machine: &Machine, last: &Trace, known: &Machine) -> Vec<String> {
             });
             notes.push(format!("{name}: lead_mm is unknown{seen}."));
         }
-        for missing in &last.axes[index].not_testable {
+        for missing in &last.axes()[index].not_testable {
             let stage = stage_names(&[missing.stage]);
             notes.push(format!("{name}: the {stage} stage is not modelled: it needs {}.", missing.needs));
         }
@@ -146,7 +146,7 @@ fn unknown(machine: &Machine, last: &Trace, known: &Machine) -> Vec<String> {
 /// The settings with a tolerance for each value that was fitted, and the values for the file.
 fn with_tolerances(
     rough: &Rough,
-    axis: &AxisTrace,
+    axis: &AxisIdentification,
     shows_gain: bool,
     values: &mut BTreeMap<(String, &'static str), Value>,
 ) -> Settings {

@@ -2,9 +2,10 @@
 
 use model::axis::Settings;
 use model::effects::Stage;
+use trace::AxisIdentification;
 use trace::input::signals::AxisSignals;
-use trace::outcome::{AxisTrace, StageResidual};
-use trace::validation::declared_value::DeclaredValue;
+use trace::judge::StageResidual;
+use trace::judge::declared_value::DeclaredValue;
 
 use crate::mechanics::MOST_LEFT;
 use crate::rough::Rough;
@@ -51,7 +52,12 @@ impl Spread {
 
 /// Leaves the values unknown that the fit of an axis does not determine; one sentence for each.
 #[must_use]
-pub fn keep_shown(rough: &mut Rough, axis: &AxisTrace, declared: &Settings, spread: Spread) -> Vec<String> {
+pub fn keep_shown(
+    rough: &mut Rough,
+    axis: &AxisIdentification,
+    declared: &Settings,
+    spread: Spread,
+) -> Vec<String> {
     let mut notes = Vec::new();
     let name = &axis.axis;
     // Without the noise of the sensors, which an acceleration multiplies.

@@ -4,17 +4,20 @@
 //! `plant` assigns them to the axes of a machine, as [`PathBlock`]s ([`path`]).
 //!
 //! `read` converts the tables of the file (`tables`) to `block`s, with `pace` for feeds and ramps and `arc` for the ends
-//! of arcs. `bounds` contains the permitted ranges.
+//! of arcs. `bounds` contains the permitted ranges, `duration` how long a motion lasts. [`Lines`] are motions that a program makes.
 
 mod arc;
 mod block;
 mod bounds;
+mod duration;
+mod lines;
 mod pace;
 pub mod path;
 mod read;
 mod tables;
 
 pub use block::{Block, Direction, Motion, Pace, Sweep};
+pub use lines::Lines;
 pub use path::{MAX_AXES, PathBlock, PathShape};
 
 #[cfg(test)]

@@ -6,11 +6,11 @@ use files::axis_name::{AXIS_NAME, is_axis_name};
 use files::document::{Document, read_text};
 use files::error::InputError;
 use indexmap::IndexMap;
-use shared::interpolate::Ramps;
 
 use super::arc::PlannedArc;
 use super::block::{Block, Motion, Pace};
 use super::bounds::{LONGEST_S, SHORTEST_MM, positive, unknown_axis, within_travel};
+use super::duration::Duration;
 use super::pace::{BlockPace, DefaultPace};
 use super::tables::{ArcTable, BlockTable, MotionTable};
 
@@ -49,35 +49,7 @@ struct Reader<'a> {
     pace: DefaultPace,
     start_mm: IndexMap<String, f64>,
     position_mm: IndexMap<String, f64>,
-    /// Duration at the programmed feeds, without the additional time of acceleration.
-    duration_s: f64,
-    ramp: FastestRamp,
-}
-
-/// The fastest motion over the length of all blocks that their accelerations and jerks permit: a ramp from standstill.
-#[derive(Default)]
-struct FastestRamp {
-    length_m: f64,
-    acceleration_m_per_s2: f64,
-    jerk_m_per_s3: f64,
-}
-
-impl FastestRamp {
-    fn add(&mut self, length_mm: f64, pace: &Pace) {
-        let jerk_m_per_s3 = match pace.ramps {
-            Ramps::SCurve { jerk_m_per_s3 } => jerk_m_per_s3,
-            _ => f64::INFINITY,
-        };
-        self.length_m += 1e-3 * length_mm;
-        self.acceleration_m_per_s2 = self.acceleration_m_per_s2.max(pace.acceleration_m_per_s2);
-        self.jerk_m_per_s3 = self.jerk_m_per_s3.max(jerk_m_per_s3);
-    }
-
-    /// From length = ½·acceleration·t² and length = ⅙·jerk·t³.
-    fn duration_s(&self) -> f64 {
-        let at_acceleration_s = (2.0 * self.length_m / self.acceleration_m_per_s2).sqrt();
-        at_acceleration_s.max((6.0 * self.length_m / self.jerk_m_per_s3).cbrt())
-    }
+    duration: Duration,
 }
 
 impl<'a> Reader<'a> {
@@ -99,8 +71,7 @@ impl<'a> Reader<'a> {
             pace: DefaultPace::of(raw, document)?,
             position_mm: start_mm.clone(),
             start_mm,
-            duration_s: 0.0,
-            ramp: FastestRamp::default(),
+            duration: Duration::default(),
         })
     }
 
@@ -120,7 +91,8 @@ impl<'a> Reader<'a> {
             return Err(self.document.refuse(key, what));
         }
         let seconds = positive(seconds, &format!("{key}.dwell_s"), self.document)?;
-        self.add_duration(seconds, key)?;
+        self.duration.add_dwell(seconds);
+        self.check_duration(key)?;
         Ok(Block::Dwell { seconds })
     }
 
@@ -161,15 +133,13 @@ impl<'a> Reader<'a> {
     /// The pace of a block of this length. Adds its duration to that of the motion.
     fn pace(&mut self, own: &BlockPace, length_mm: f64, key: &str) -> Result<Pace, InputError> {
         let pace = self.pace.with(own, key, self.document)?;
-        self.ramp.add(length_mm, &pace);
-        self.add_duration(60.0 * length_mm / pace.feed_mm_per_min, key)?;
+        self.duration.add_path(length_mm, &pace);
+        self.check_duration(key)?;
         Ok(pace)
     }
 
-    fn add_duration(&mut self, seconds: f64, key: &str) -> Result<(), InputError> {
-        self.duration_s += seconds;
-        let is_short = |seconds: f64| seconds <= LONGEST_S;
-        if is_short(self.duration_s) && (self.ramp.length_m == 0.0 || is_short(self.ramp.duration_s())) {
+    fn check_duration(&self, key: &str) -> Result<(), InputError> {
+        if self.duration.is_permitted() {
             return Ok(());
         }
         let what = format!("a total duration of at most {LONGEST_S} s");

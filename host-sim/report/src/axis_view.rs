@@ -1,15 +1,15 @@
 //! The plotted residuals: those of an axis on the validation logs, before and after the search.
 
 use model::effects::Stage;
-use trace::Trace;
+use trace::AxisIdentification;
+use trace::Identification;
 use trace::fit::axis_model::AxisModel;
 use trace::fit::fit_data::{FitData, ResidualSeries};
-use trace::outcome::AxisTrace;
 
 /// An axis with its residuals on the validation logs.
 pub struct AxisView<'a> {
     /// The result of the trace.
-    pub trace: &'a AxisTrace,
+    pub trace: &'a AxisIdentification,
     /// The validation logs.
     pub data: FitData<'a>,
     /// Residuals of the declared model, fitted within its tolerance.
@@ -20,16 +20,16 @@ pub struct AxisView<'a> {
 
 impl<'a> AxisView<'a> {
     /// One for each axis of a trace.
-    pub fn all(trace: &'a Trace) -> Vec<Self> {
-        let of_axis = |(index, axis): (usize, &'a AxisTrace)| {
-            let data = FitData { bias: &axis.bias, ..trace.data(&trace.validate_logs, index) };
+    pub fn all(trace: &'a Identification) -> Vec<Self> {
+        let of_axis = |(index, axis): (usize, &'a AxisIdentification)| {
+            let data = FitData { bias: &axis.bias, ..trace.data(trace.validate_logs(), index) };
             let residuals = |model: &AxisModel| {
                 axis.scopes.iter().flat_map(|scope| data.residuals(model, scope)).collect()
             };
             let (before, after) = (residuals(&axis.baseline), residuals(&axis.model));
             Self { trace: axis, data, before, after }
         };
-        trace.axes.iter().enumerate().map(of_axis).collect()
+        trace.axes().iter().enumerate().map(of_axis).collect()
     }
 
     /// The validation log on which the residual of a stage is largest before.

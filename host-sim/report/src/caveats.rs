@@ -3,16 +3,16 @@
 use super::parameters::brief;
 use files::format::{percent, significant};
 use files::log::Unit;
+use trace::AxisIdentification;
 use trace::fit::fit_data::FitAndValidationRms;
 use trace::fit::limits::ParameterAtLimit;
-use trace::outcome::{AxisTrace, StageResidual};
+use trace::judge::StageResidual;
+use trace::judge::found_effect::FoundEffect;
 use trace::stages::{residual_unit, stage_names};
-use trace::validation::found_effect::FoundEffect;
-use trace::verdict;
 
 /// The rms residuals of the stages that a condition selects, as a list; `None` if it selects none.
 fn list_residuals(
-    axis: &AxisTrace,
+    axis: &AxisIdentification,
     is_listed: impl Fn(&StageResidual) -> bool,
     rms: fn(&FitAndValidationRms) -> f64,
 ) -> Option<String> {
@@ -32,7 +32,7 @@ fn list_residuals(
 
 /// States that the model does not describe the fitted logs, with the stages that show it; `None` if it does.
 #[must_use]
-pub fn misfit(axis: &AxisTrace) -> Option<String> {
+pub fn misfit(axis: &AxisIdentification) -> Option<String> {
     if axis.is_of_another_machine {
         let residuals = list_residuals(axis, |_| true, |pair| pair.fit)?;
         let far =
@@ -45,7 +45,7 @@ pub fn misfit(axis: &AxisTrace) -> Option<String> {
             keys.join(", ")
         ));
     }
-    let residuals = list_residuals(axis, verdict::is_gross, |pair| pair.fit)?;
+    let residuals = list_residuals(axis, StageResidual::is_gross, |pair| pair.fit)?;
     Some(format!(
         "{}: the model does not describe these logs, so that all other results for this axis are unreliable; \
          residuals: {residuals}. A channel may be wrong (its sign, unit, axis or time), or a declared value.",
@@ -56,9 +56,8 @@ pub fn misfit(axis: &AxisTrace) -> Option<String> {
 /// States that the model describes the fitted logs but not those held out, with the stages that show it; `None` if it
 /// describes both.
 #[must_use]
-pub fn misfit_held_out(axis: &AxisTrace) -> Option<String> {
-    let only_held_out =
-        |error: &StageResidual| verdict::is_gross_held_out(error) && !verdict::is_gross(error);
+pub fn misfit_held_out(axis: &AxisIdentification) -> Option<String> {
+    let only_held_out = |error: &StageResidual| error.is_gross_held_out() && !error.is_gross();
     let residuals = list_residuals(axis, only_held_out, |pair| pair.validate)?;
     Some(format!(
         "{}: the model does not describe the logs held out, so that they cannot validate the other results; \
@@ -95,7 +94,7 @@ pub fn at_limit(axis: &str, unit: Unit, limit: &ParameterAtLimit) -> String {
 /// States that the final model leaves a larger residual on the validation logs than the declared one; `None` if it does
 /// not.
 #[must_use]
-pub fn worse(axis: &AxisTrace, error: &StageResidual) -> Option<String> {
+pub fn worse(axis: &AxisIdentification, error: &StageResidual) -> Option<String> {
     /// Smallest ratio that is reported. Smaller ones may be chance.
     const MIN_RATIO: f64 = 1.1;
     let (before, after) = (error.before.validate, error.after.validate);

@@ -9,18 +9,18 @@ use files::log::Unit;
 use pages::file_name;
 use pages::markup::{figure, legend, line_entry, note};
 use pages::polar::{division_for, drawing, magnification};
-use trace::Trace;
+use trace::Identification;
 
 /// The section's body; empty if no log contains a circle of two linear axes with the required channels.
 #[must_use]
-pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> Markup {
-    let (Some((log, circle)), [x, y, ..]) = (largest_circle(&trace.validate_logs), views) else {
+pub fn body(trace: &Identification, views: &[AxisView<'_>]) -> Markup {
+    let (Some((log, circle)), [x, y, ..]) = (largest_circle(trace.validate_logs()), views) else {
         return Markup::default();
     };
     if [x, y].iter().any(|view| view.trace.unit == Unit::Degree) {
         return Markup::default();
     }
-    let run = Run { circle: &circle, log, signals: &trace.validate_logs[log], axes: [x, y] };
+    let run = Run { circle: &circle, log, signals: &trace.validate_logs()[log], axes: [x, y] };
     let Some((channel, measured)) = run.measured() else { return Markup::default() };
     let residuals = (!run.stages().is_empty())
         .then(|| [run.residual([&x.before, &y.before]), run.residual([&x.after, &y.after])]);

@@ -3,12 +3,12 @@
 use files::format::significant;
 use files::log::{Channel, Unit};
 use pages::file_name;
-use trace::data_faults::{DataFault, FaultHandling, FaultKind};
-use trace::outcome::AxisTrace;
+use trace::AxisIdentification;
+use trace::repair::{DataFault, FaultHandling, FaultKind};
 
 /// One sentence for each fault of an axis; a fault of the same kind and size in several logs is stated once.
 #[must_use]
-pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
+pub fn of_axis(axis: &AxisIdentification) -> Vec<String> {
     let is_same = |a: &DataFault, b: &DataFault| {
         a.at_s.is_none() && DataFault { log: b.log.clone(), ..a.clone() } == *b
     };

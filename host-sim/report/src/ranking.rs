@@ -6,14 +6,14 @@ use super::parameters;
 use files::format::{fixed, percent, significant};
 use files::log::Unit;
 use pages::markup::{note, number_cell, text};
+use trace::AxisIdentification;
 use trace::fit::normal_equations::FOLDS;
+use trace::judge::found_effect::FoundEffect;
 use trace::options::SearchOptions;
-use trace::outcome::AxisTrace;
 use trace::search::candidates::Candidate;
 use trace::search::held_out::Comparison;
 use trace::search::round::Round;
 use trace::stages::stage_names;
-use trace::validation::found_effect::FoundEffect;
 
 /// Most candidates of a round that are shown.
 const MAX_SHOWN: usize = 6;
@@ -25,7 +25,7 @@ const NOTE: &str = "In each round every effect of the catalogue is tested on the
 
 /// The section's body; empty without rounds.
 #[must_use]
-pub fn body(axes: &[AxisTrace]) -> Markup {
+pub fn body(axes: &[AxisIdentification]) -> Markup {
     let tables = html! {
         @for axis in axes { (table_of_axis(axis)) }
     };
@@ -35,7 +35,7 @@ pub fn body(axes: &[AxisTrace]) -> Markup {
     html! { (note(NOTE)) (tables) }
 }
 
-fn table_of_axis(axis: &AxisTrace) -> Markup {
+fn table_of_axis(axis: &AxisIdentification) -> Markup {
     let rounds = html! {
         @for (round, number) in axis.rounds.iter().zip(round_numbers(axis)) { (rows_of_round(axis, round, number)) }
     };
@@ -59,12 +59,12 @@ fn table_of_axis(axis: &AxisTrace) -> Markup {
 }
 
 /// Number of each round, counted from 1 for each search (rounds in a row about the same stages).
-fn round_numbers(axis: &AxisTrace) -> Vec<usize> {
+fn round_numbers(axis: &AxisIdentification) -> Vec<usize> {
     let searches = axis.rounds.chunk_by(|a, b| a.stages == b.stages);
     searches.flat_map(|rounds| 1..=rounds.len()).collect()
 }
 
-fn rows_of_round(axis: &AxisTrace, round: &Round, number: usize) -> Markup {
+fn rows_of_round(axis: &AxisIdentification, round: &Round, number: usize) -> Markup {
     let fitted = round.candidates.iter().enumerate().filter(|(_, candidate)| best(candidate).is_some());
     let rows = html! {
         @for (i, candidate) in fitted.take(MAX_SHOWN) {
@@ -113,7 +113,7 @@ fn gain_percent(comparison: &Comparison) -> f64 {
 
 /// Candidates with a large gain in the last round of each search that were not added, with the reason.
 #[must_use]
-pub fn refused(axis: &AxisTrace) -> Vec<String> {
+pub fn refused(axis: &AxisIdentification) -> Vec<String> {
     let last_rounds = axis.rounds.iter().filter(|round| round.added.is_none());
     let sentence = |round: &Round| {
         let index = round.refused()?;
@@ -129,7 +129,7 @@ pub fn refused(axis: &AxisTrace) -> Vec<String> {
 }
 
 /// The first applicable reason why a candidate of a round was added or not; empty if it was not fitted.
-fn verdict(axis: &AxisTrace, round: &Round, index: usize) -> String {
+fn verdict(axis: &AxisIdentification, round: &Round, index: usize) -> String {
     let candidate = &round.candidates[index];
     let Some(best) = best(candidate) else { return String::new() };
     if round.added == Some(index) {
@@ -151,7 +151,7 @@ fn verdict(axis: &AxisTrace, round: &Round, index: usize) -> String {
 }
 
 /// The final result for a candidate that its round added.
-fn verdict_of_added(axis: &AxisTrace, candidate: &Candidate) -> &'static str {
+fn verdict_of_added(axis: &AxisIdentification, candidate: &Candidate) -> &'static str {
     let is_among = |all: &[FoundEffect]| all.iter().any(|found| found.effect.is_same(&candidate.effect));
     if is_among(&axis.found) {
         "added"

@@ -9,7 +9,7 @@ use model::effects::{Abscissa, Stage};
 use pages::file_name;
 use pages::markup::{figure, legend, line_entry, note, surface_entry, text};
 use pages::plot::{Chart, Ink, Layer};
-use trace::Trace;
+use trace::Identification;
 use trace::fit::fit_data::ResidualSeries;
 use trace::stages::{residual_unit, stage_names};
 
@@ -24,7 +24,7 @@ const NOTE: &str = "Measured minus modelled, each stage simulated from the measu
                     the effects found.";
 
 /// The section's body; empty if no stage could be evaluated.
-pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> Markup {
+pub fn body(trace: &Identification, views: &[AxisView<'_>]) -> Markup {
     let panels = html! {
         @for view in views {
             @for stage in stages_of(view) { (panel(trace, view, stage)) }
@@ -43,7 +43,7 @@ pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> Markup {
 }
 
 /// The plots of a stage under their heading; empty if no log has a residual of it.
-fn panel(trace: &Trace, view: &AxisView<'_>, stage: Stage) -> Markup {
+fn panel(trace: &Identification, view: &AxisView<'_>, stage: Stage) -> Markup {
     let Some(log) = view.log_with_largest_residual(stage) else { return Markup::default() };
     let variables = variables(view, stage);
     let means: Vec<String> =
@@ -99,8 +99,14 @@ fn variables(view: &AxisView<'_>, stage: Stage) -> Vec<Abscissa> {
 }
 
 /// The SVG element of the residual of one log over time, and its caption.
-fn time_chart(trace: &Trace, view: &AxisView<'_>, stage: Stage, log: usize, width: u32) -> (String, String) {
-    let signals = &trace.validate_logs[log];
+fn time_chart(
+    trace: &Identification,
+    view: &AxisView<'_>,
+    stage: Stage,
+    log: usize,
+    width: u32,
+) -> (String, String) {
+    let signals = &trace.validate_logs()[log];
     let (unit, _) = residual_unit(view.trace.unit, stage);
     let seconds = |i: usize| signals.start_s + i as f64 * signals.sample_s;
     let layer = |ink, points| Layer { ink, points, is_marked: false };

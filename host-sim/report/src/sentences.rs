@@ -4,23 +4,24 @@ use super::{caveats, data_faults};
 use files::format::{percent, significant, with_spread};
 use files::log::Unit;
 use model::effects::Stage;
+use trace::AxisIdentification;
 use trace::analysis::empirical::Empirical;
 use trace::analysis::free_run::FreeRun;
 use trace::analysis::repeatability::Repeatability;
 use trace::analysis::residual_analysis::UnexplainedResidual;
 use trace::analysis::variable::Variable;
 use trace::fit::scope::NotTestable;
-use trace::outcome::AxisTrace;
+use trace::judge::declared_value::{DeclaredValue, mean_factor};
+use trace::judge::found_effect::FoundEffect;
+use trace::result::distinguishing_motion::Proposal;
 use trace::search::ambiguity::Ambiguity;
 use trace::stages::{residual_unit, stage_names};
-use trace::validation::declared_value::{DeclaredValue, mean_factor};
-use trace::validation::found_effect::FoundEffect;
 use trace::verdict::{self, Verdict};
-use trace::{Task, Trace};
+use trace::{Identification, Task};
 
 /// The reduction of the residual by a table over a variable.
 #[must_use]
-pub fn table(axis: &AxisTrace, table: &Empirical) -> String {
+pub fn table(axis: &AxisIdentification, table: &Empirical) -> String {
     let (unit, _) = residual_unit(axis.unit, table.stage);
     let over = match table.variable {
         Variable::Time | Variable::None => "time",
@@ -47,8 +48,8 @@ pub fn table(axis: &AxisTrace, table: &Empirical) -> String {
 
 /// Two effects that the logs cannot distinguish, and the motion that would distinguish them.
 #[must_use]
-pub fn look_alike(axis: &AxisTrace, alike: &Ambiguity) -> String {
-    let how = alike.proposal.as_ref().map_or_else(
+pub fn ambiguity(axis: &AxisIdentification, alike: &Ambiguity, proposal: Option<&Proposal>) -> String {
+    let how = proposal.map_or_else(
         || "a log of a different motion is needed to distinguish them".to_owned(),
         |proposal| {
             format!(
@@ -115,7 +116,7 @@ pub fn beyond_tolerance(axis: &str, value: &DeclaredValue) -> String {
 }
 
 /// That the scale of the logged force may be wrong.
-fn of_force_scale(axis: &AxisTrace) -> Option<String> {
+fn of_force_scale(axis: &AxisIdentification) -> Option<String> {
     let percent = 100.0 * (mean_factor(&axis.declared_values) - 1.0);
     let how = if percent > 0.0 { "above" } else { "below" };
     axis.has_force_scale.then(|| {
@@ -131,7 +132,7 @@ fn of_force_scale(axis: &AxisTrace) -> Option<String> {
 /// The results for an axis: whether the model fails to describe the logs; one sentence for each effect, or one sentence
 /// that no effect was found; refuted effects, and effects with a parameter at a limit.
 #[must_use]
-pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
+pub fn of_axis(axis: &AxisIdentification) -> Vec<String> {
     if axis.residuals.is_empty() {
         return vec![format!(
             "{}: no stage could be evaluated with these logs and this machine file.",
@@ -156,7 +157,7 @@ pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
 }
 
 /// The result for an axis on which no effect was found.
-fn without_effects(axis: &AxisTrace) -> &'static str {
+fn without_effects(axis: &AxisIdentification) -> &'static str {
     let has_faults = !axis.data_faults.is_empty();
     match (axis.task, verdict::of_axis(axis)) {
         (Task::Search, Verdict::Explained) if has_faults => {
@@ -183,19 +184,19 @@ fn without_effects(axis: &AxisTrace) -> &'static str {
 
 /// One sentence for each fault of the data.
 #[must_use]
-pub fn data_faults(trace: &Trace) -> Vec<String> {
-    trace.axes.iter().flat_map(data_faults::of_axis).collect()
+pub fn data_faults(trace: &Identification) -> Vec<String> {
+    trace.axes().iter().flat_map(data_faults::of_axis).collect()
 }
 
 /// The faults of the data, then the sentences of all axes.
 #[must_use]
-pub fn summary(trace: &Trace) -> Vec<String> {
-    data_faults(trace).into_iter().chain(trace.axes.iter().flat_map(of_axis)).collect()
+pub fn summary(trace: &Identification) -> Vec<String> {
+    data_faults(trace).into_iter().chain(trace.axes().iter().flat_map(of_axis)).collect()
 }
 
 /// The remaining residual of a stage.
 #[must_use]
-pub fn remainder(axis: &AxisTrace, rest: &UnexplainedResidual) -> String {
+pub fn remainder(axis: &AxisIdentification, rest: &UnexplainedResidual) -> String {
     let (unit, _) = residual_unit(axis.unit, rest.stage);
     let noise = axis.residual(rest.stage).map_or(0.0, |error| error.noise);
     let share = percent(rest.share_percent);
@@ -232,7 +233,7 @@ pub fn remainder(axis: &AxisTrace, rest: &UnexplainedResidual) -> String {
 
 /// The repeatable and the non-repeatable part of the residual of a stage.
 #[must_use]
-pub fn repeats(axis: &AxisTrace, part: &Repeatability) -> String {
+pub fn repeats(axis: &AxisIdentification, part: &Repeatability) -> String {
     let (unit, _) = residual_unit(axis.unit, part.stage);
     format!(
         "{}, {}: the motion repeats every {} s; {} {unit} rms of the remaining residual are repeatable, {} {unit} \
@@ -247,7 +248,7 @@ pub fn repeats(axis: &AxisTrace, part: &Repeatability) -> String {
 
 /// Limitations of the fit: values that the fitted logs do not determine, and stages with a larger residual on other logs.
 #[must_use]
-pub fn open_ends(axis: &AxisTrace) -> Vec<String> {
+pub fn open_ends(axis: &AxisIdentification) -> Vec<String> {
     /// Ratio of the held-out to the fitted residual from which it is reported: a smaller one may be due to the motion.
     const MIN_RATIO: f64 = 2.0;
     let at_bounds = axis.declared_values.iter().filter(|value| value.is_undetermined());

@@ -6,16 +6,17 @@ use contour::log_error::LogError;
 use files::format::{fixed, signed};
 use model::effects::Effect;
 use pages::markup::{Column, note, number_cell, paragraph, table, text};
-use trace::outcome::{AxisTrace, StageResidual};
+use trace::AxisIdentification;
+use trace::judge::StageResidual;
+use trace::judge::found_effect::FoundEffect;
 use trace::stages::{residual_unit, stage_names};
-use trace::validation::found_effect::FoundEffect;
 
 const RESIDUALS_NOTE: &str = "Rms values. Fit: on the logs used in the fit. Validate: on held-out motions. Before: \
                               the declared model, with its values fitted within their tolerance. Noise: residual of \
                               a perfect model due to the sensors.";
 
 /// Residuals before and after, by axis and stage; empty if no stage could be evaluated.
-pub fn errors(axes: &[AxisTrace]) -> Markup {
+pub fn errors(axes: &[AxisIdentification]) -> Markup {
     if axes.iter().all(|axis| axis.residuals.is_empty()) {
         return Markup::default();
     }
@@ -47,13 +48,13 @@ pub fn errors(axes: &[AxisTrace]) -> Markup {
     }
 }
 
-fn in_order_of_stages(axis: &AxisTrace) -> Vec<&StageResidual> {
+fn in_order_of_stages(axis: &AxisIdentification) -> Vec<&StageResidual> {
     let mut errors: Vec<&StageResidual> = axis.residuals.iter().collect();
     errors.sort_by_key(|error| error.stage);
     errors
 }
 
-fn error_row(axis: &AxisTrace, error: &StageResidual) -> Markup {
+fn error_row(axis: &AxisIdentification, error: &StageResidual) -> Markup {
     let (name, unit) = (stage_names(&[error.stage]), residual_unit(axis.unit, error.stage).0);
     let (before, after) = (&error.before, &error.after);
     html! {
@@ -120,7 +121,7 @@ fn contour_row(log: &LogError) -> Markup {
 }
 
 /// Comparison of the true effects with those found, with the error of each parameter.
-pub fn truth(axes: &[AxisTrace], truth: &[(String, Effect)]) -> Markup {
+pub fn truth(axes: &[AxisIdentification], truth: &[(String, Effect)]) -> Markup {
     let rows = html! {
         @for (axis, effect) in truth { (truth_row(axes, axis, effect)) }
         @for axis in axes {
@@ -139,14 +140,14 @@ pub fn truth(axes: &[AxisTrace], truth: &[(String, Effect)]) -> Markup {
 }
 
 /// False effects: found, but not present in the machine.
-fn false_effects<'a>(axis: &'a AxisTrace, truth: &[(String, Effect)]) -> Vec<&'a FoundEffect> {
+fn false_effects<'a>(axis: &'a AxisIdentification, truth: &[(String, Effect)]) -> Vec<&'a FoundEffect> {
     let is_true = |found: &FoundEffect| {
         truth.iter().any(|(name, effect)| *name == axis.axis && effect.is_same(&found.effect))
     };
     axis.found.iter().filter(|found| !is_true(found)).collect()
 }
 
-fn truth_row(axes: &[AxisTrace], name: &str, effect: &Effect) -> Markup {
+fn truth_row(axes: &[AxisIdentification], name: &str, effect: &Effect) -> Markup {
     let found = axes.iter().find(|axis| axis.axis == name).map_or(&[][..], |axis| &axis.found);
     let (shown, errors) = match found.iter().find(|found| found.effect.is_same(effect)) {
         Some(found) => (found.effect.sentence(&found.half_widths, false), parameter_errors(effect, found)),

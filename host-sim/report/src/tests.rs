@@ -5,7 +5,7 @@ use super::trace_page::{Extra, html, write};
 use files::log::{AxisLog, Log, Unit};
 use model::machine::Machine;
 use pages::markup::text;
-use trace::Trace;
+use trace::Identification;
 
 /// A circle in both directions of two axes of which only motor and table were logged; the table of x has 4 µm of
 /// backlash.
@@ -34,7 +34,7 @@ fn log(source: &str, radius_mm: f64, shift: f64) -> Log {
     Log { source: source.to_owned(), start_s: 0.0, sample_time_s: 0.001, axes }
 }
 
-fn traced() -> Trace {
+fn traced() -> Identification {
     let text =
         "name = \"<b>&\"\nsample_rate_hz = 1000.0\n[axis.x]\nlead_mm = 10.0\n[axis.y]\nlead_mm = 10.0\n";
     let machine = Machine::parse(text, "m.toml").unwrap();
@@ -96,7 +96,7 @@ fn the_page_has_all_sections_with_their_results() {
     let positions: Vec<usize> =
         sections.iter().map(|name| page.find(&format!("<h2>{name}")).unwrap()).collect();
     assert!(positions.is_sorted(), "{positions:?}");
-    assert!(page.contains(&text(&sentences::sentence("x", Unit::Millimetre, &trace.axes[0].found[0])).0));
+    assert!(page.contains(&text(&sentences::sentence("x", Unit::Millimetre, &trace.axes()[0].found[0])).0));
     // Its machine file declares neither stiffness nor masses, and no force is logged.
     let parts = "gap and stretch under friction together, or the screw has a gap of up to this width, or the drive train is stretched";
     assert!(page.contains(parts));

@@ -12,9 +12,10 @@ use files::output::OutputError;
 use model::effects::Effect;
 use pages::file_name;
 use pages::markup::{list, note, paragraph, section, text};
-use trace::Trace;
+use trace::AxisIdentification;
+use trace::Identification;
 use trace::input::signals::Signals;
-use trace::outcome::{AxisTrace, StageResidual};
+use trace::judge::StageResidual;
 use trace::stages::stage_names;
 
 /// Additional content of a page.
@@ -36,13 +37,13 @@ pub struct Extra {
 ///
 /// # Errors
 /// If the folder cannot be created or the page cannot be written.
-pub fn write(folder: &Path, trace: &Trace, extra: &Extra) -> Result<PathBuf, OutputError> {
+pub fn write(folder: &Path, trace: &Identification, extra: &Extra) -> Result<PathBuf, OutputError> {
     pages::write(folder, &html(trace, extra))
 }
 
 /// The page. The same trace gives the same bytes.
 #[must_use]
-pub fn html(trace: &Trace, extra: &Extra) -> String {
+pub fn html(trace: &Identification, extra: &Extra) -> String {
     let views = AxisView::all(trace);
     let lead = html! {
         @for sentence in &extra.lead { (paragraph(sentence)) }
@@ -50,29 +51,29 @@ pub fn html(trace: &Trace, extra: &Extra) -> String {
     };
     let sections = html! {
         (section("Effects found", &found(trace, extra)))
-        (section("Residuals before and after", &tables::errors(&trace.axes)))
+        (section("Residuals before and after", &tables::errors(trace.axes())))
         (section("Contour error", &tables::contour_errors(&extra.contour_errors)))
         (section("Before and after the compensation", &before_after::round_trip(&extra.round_trip.0, &extra.round_trip.1)))
         (section("The circle", &circle_plots::body(trace, &views)))
         (section("The residual of each stage", &residual_plots::body(trace, &views)))
-        (section("Candidates tested", &ranking::body(&trace.axes)))
-        (section("Unexplained residuals", &unexplained(&trace.axes, &trace.notes)))
+        (section("Candidates tested", &ranking::body(trace.axes())))
+        (section("Unexplained residuals", &unexplained(trace.axes(), trace.notes())))
     };
     pages::render(&extra.title, &lead, &sections)
 }
 
 /// One sentence for each effect, and the truth if it is known.
-fn found(trace: &Trace, extra: &Extra) -> Markup {
+fn found(trace: &Identification, extra: &Extra) -> Markup {
     html! {
         ul.found {
             @for sentence in sentences::data_faults(trace) { li.none { (text(&sentence)) } }
-            @for axis in &trace.axes {
+            @for axis in trace.axes() {
                 @for sentence in sentences::of_axis(axis) {
                     li class=[axis.found.is_empty().then_some("none")] { (text(&sentence)) }
                 }
             }
         }
-        @if let Some(truth) = &extra.truth { (tables::truth(&trace.axes, truth)) }
+        @if let Some(truth) = &extra.truth { (tables::truth(trace.axes(), truth)) }
     }
 }
 
@@ -81,10 +82,10 @@ const VALIDATION_DECIDES: &str = "The held-out data are used for one decision on
                                   residual is refuted and left out of the model.";
 
 /// Which logs were fitted and which were not.
-fn sources(trace: &Trace) -> String {
+fn sources(trace: &Identification) -> String {
     let names =
         |logs: &[Signals]| logs.iter().map(|log| file_name(&log.source)).collect::<Vec<_>>().join(", ");
-    let (fit, validate) = (names(&trace.fit_logs), names(&trace.validate_logs));
+    let (fit, validate) = (names(trace.fit_logs()), names(trace.validate_logs()));
     let validation = if fit == validate {
         "validated on the last part of it".to_owned()
     } else {
@@ -93,13 +94,13 @@ fn sources(trace: &Trace) -> String {
     let separator = if fit == validate { "," } else { ";" };
     format!(
         "Machine {}. Fitted to {fit}{separator} {validation}, which is not used in any fit. {VALIDATION_DECIDES}",
-        trace.machine.name
+        trace.machine().name
     )
 }
 
 /// Remaining residuals, stages that could not be evaluated, and residuals at noise level.
-fn unexplained(axes: &[AxisTrace], notes: &[String]) -> Markup {
-    let of_axis = |axis: &AxisTrace| {
+fn unexplained(axes: &[AxisIdentification], notes: &[String]) -> Markup {
+    let of_axis = |axis: &AxisIdentification| {
         let remainders = axis.unexplained.iter().map(|entry| sentences::remainder(axis, entry));
         let not_testable = axis.not_testable.iter().map(|stage| sentences::not_testable(&axis.axis, stage));
         sentences::open_ends(axis).into_iter().chain(remainders).chain(not_testable).collect::<Vec<_>>()
@@ -115,7 +116,7 @@ fn unexplained(axes: &[AxisTrace], notes: &[String]) -> Markup {
 }
 
 /// Axis and name of each stage whose residual is at noise level.
-fn explained_stages(axis: &AxisTrace) -> Vec<String> {
+fn explained_stages(axis: &AxisIdentification) -> Vec<String> {
     /// Largest residual that counts as noise, in multiples of the noise's rms.
     const MAX_NOISE_MULTIPLE: f64 = 1.5;
     let is_explained = |error: &&StageResidual| {

@@ -81,7 +81,7 @@ pub fn trace_and_score_with(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Outcome, InputError> {
     let trace = trace::trace_with(options, &case.machine, [&case.fit, &case.validate], progress)?;
-    Ok(Outcome::of(case, &trace::json::of(&trace, false)))
+    Ok(Outcome::of(case, &trace::json::Document::of(&trace, &[], false).value()))
 }
 
 /// The JSON of `self-test --json`.

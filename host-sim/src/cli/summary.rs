@@ -1,13 +1,14 @@
 //! The summary of a trace on stdout: sentences, a table of errors, remarks.
 
 use report::{ranking, sentences};
-use trace::Trace;
-use trace::outcome::{AxisTrace, StageResidual};
+use trace::AxisIdentification;
+use trace::Identification;
+use trace::judge::StageResidual;
 use trace::stages::{residual_unit, stage_names};
 
 /// Summary of a trace.
 #[must_use]
-pub fn of_trace(trace: &Trace) -> String {
+pub fn of_trace(trace: &Identification) -> String {
     let mut lines = sentences::summary(trace);
     lines.push(String::new());
     lines.push(format!(
@@ -18,7 +19,7 @@ pub fn of_trace(trace: &Trace) -> String {
         "{:<6}{:<8}{:>5}{:>11}{:>11}{:>11}{:>11}",
         "", "", "unit", "fit", "held out", "fit", "held out"
     ));
-    for axis in &trace.axes {
+    for axis in trace.axes() {
         lines.extend(axis.residuals.iter().map(|error| row(axis, error)));
     }
     let remarks = remarks(trace);
@@ -30,10 +31,11 @@ pub fn of_trace(trace: &Trace) -> String {
 }
 
 /// Sentences on ambiguities, refused effects, limitations of the fit, residuals, repeatability and free runs.
-fn remarks(trace: &Trace) -> Vec<String> {
-    let axes = || trace.axes.iter();
-    let ambiguous = axes()
-        .flat_map(|axis| axis.ambiguities.iter().map(|ambiguity| sentences::look_alike(axis, ambiguity)));
+fn remarks(trace: &Identification) -> Vec<String> {
+    let axes = || trace.axes().iter();
+    let ambiguous = axes().flat_map(|axis| {
+        axis.ambiguities_with_motions().map(|(pair, motion)| sentences::ambiguity(axis, pair, motion))
+    });
     let refused = axes().flat_map(ranking::refused);
     let open = axes().flat_map(sentences::open_ends);
     let residuals = axes().flat_map(|axis| {
@@ -41,12 +43,12 @@ fn remarks(trace: &Trace) -> Vec<String> {
         unexplained.chain(axis.not_testable.iter().map(|stage| sentences::not_testable(&axis.axis, stage)))
     });
     // For several logs only the page and the JSON have it: it is long.
-    let shown = if trace.fit_logs.len() == 1 { &trace.axes[..] } else { &[] };
+    let shown = if trace.fit_logs().len() == 1 { trace.axes() } else { &[] };
     let repeats =
         shown.iter().flat_map(|axis| axis.repeats.iter().map(|part| sentences::repeats(axis, part)));
     let free_runs =
         axes().flat_map(|axis| axis.free_runs.iter().map(|run| sentences::free_run(axis.unit, run)));
-    let notes = trace.notes.iter().cloned();
+    let notes = trace.notes().iter().cloned();
     notes
         .chain(ambiguous)
         .chain(refused)
@@ -58,9 +60,9 @@ fn remarks(trace: &Trace) -> Vec<String> {
 }
 
 /// One sentence for each table of `--empirical`.
-pub fn of_tables(trace: &Trace) -> String {
+pub fn of_tables(trace: &Identification) -> String {
     let lines =
-        trace.axes.iter().flat_map(|axis| axis.tables.iter().map(|table| sentences::table(axis, table)));
+        trace.axes().iter().flat_map(|axis| axis.tables.iter().map(|table| sentences::table(axis, table)));
     let lines: Vec<String> = lines.collect();
     if lines.is_empty() {
         return "No empirical table reduces the remaining residuals.".to_owned();
@@ -68,7 +70,7 @@ pub fn of_tables(trace: &Trace) -> String {
     format!("\n\n{}", lines.join("\n"))
 }
 
-fn row(axis: &AxisTrace, error: &StageResidual) -> String {
+fn row(axis: &AxisIdentification, error: &StageResidual) -> String {
     let (unit, _) = residual_unit(axis.unit, error.stage);
     let (before, after) = (error.before, error.after);
     let figures = [before.fit, before.validate, after.fit, after.validate, error.noise];

@@ -12,7 +12,8 @@ use contour::log_error::LogError;
 use files::output::write_whole;
 use model::machine::Machine;
 use report::trace_page::{self, Extra};
-use trace::{Request, Task, Trace};
+use trace::json::Document;
+use trace::{AxisIdentification, Identification, Request, Task};
 
 /// Arguments of `trace`.
 #[derive(clap::Args)]
@@ -98,30 +99,35 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     if arguments.empirical {
         output += &summary::of_tables(&trace);
     }
+    output += &write(arguments, &trace, contour_errors)?;
+    print(&output)
+}
+
+/// Writes the outputs that are asked for; gives what the summary says of them.
+fn write(arguments: &Arguments, trace: &Identification, contour_errors: Vec<LogError>) -> Result<String> {
+    let mut said = String::new();
     if let Some(path) = &arguments.propose {
-        output += propose(&trace, path)?;
+        said += propose(trace, path)?;
     }
-    let mut json = trace::json::of(&trace, arguments.empirical);
-    json["contour"] = contour::json::of_logs(&contour_errors);
-    write_json(arguments.json.as_ref(), &json)?;
+    write_json(arguments.json.as_ref(), &Document::of(trace, &contour_errors, arguments.empirical))?;
     if let Some(path) = &arguments.model {
         write_whole(path, |out| out.write_all(trace.better_machine().to_toml().as_bytes()))?;
     }
     if let Some(folder) = &arguments.report {
-        let title = format!("Lost motion of {}", machine.name);
-        let path = trace_page::write(folder, &trace, &Extra { title, contour_errors, ..Extra::default() })?;
-        output += &format!("\n\nReport: {}", path.display());
+        let title = format!("Lost motion of {}", trace.machine().name);
+        let path = trace_page::write(folder, trace, &Extra { title, contour_errors, ..Extra::default() })?;
+        said += &format!("\n\nReport: {}", path.display());
     }
-    print(&output)
+    Ok(said)
 }
 
 /// Writes the motion that distinguishes two ambiguous effects best; gives a sentence if there are none.
-fn propose(trace: &Trace, path: &Path) -> Result<&'static str> {
-    let alike = trace.axes.iter().flat_map(|axis| &axis.ambiguities);
-    let proposals = alike.filter_map(|alike| alike.proposal.as_ref());
+fn propose(trace: &Identification, path: &Path) -> Result<&'static str> {
+    let alike = trace.axes().iter().flat_map(AxisIdentification::ambiguities_with_motions);
+    let proposals = alike.filter_map(|(_, proposal)| proposal);
     match proposals.max_by(|a, b| a.difference.total_cmp(&b.difference)) {
         Some(proposal) => {
-            write_whole(path, |out| out.write_all(proposal.motion.as_bytes()))?;
+            write_whole(path, |out| out.write_all(proposal.to_toml().as_bytes()))?;
             Ok("")
         }
         None => Ok("\nNo motion is proposed: no effects are ambiguous in these logs."),

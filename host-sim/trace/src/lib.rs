@@ -1,65 +1,54 @@
 //! Identification of effects that a machine shows in its logs and that its declared model lacks.
 //!
-//! The steps of a trace:
+//! A trace is a pipeline of values. Each step is a folder with one entry, which takes a value and returns the next one:
 //!
-//! 1. [`data_faults`]: faults of the data are named, and corrected where that is possible.
-//! 2. [`input`] and [`prepare`]: admission of logs, filtering of their signals.
-//! 3. [`prediction`]: prediction of each stage by a model, from the measured signal upstream of the stage.
-//! 4. [`fit`]: residuals, and fit of the declared values within their tolerance.
-//! 5. [`search`]: addition of effects of the catalogue that held-out data support.
-//! 6. [`validation`]: removal of effects at a limit, and of effects that the validation logs refute.
-//! 7. [`analysis`]: analysis of the remaining residuals; [`alignment`]: names of the machine that the measuring chain imitates.
-//! 8. [`mod@whole`]: of long logs, in stretches of which steps 2 to 7 search: fit and residuals of all samples.
-//! 9. [`verdict`]: agreement of model and logs; [`json`]: the result as JSON.
+//! | step | takes | returns | does |
+//! |---|---|---|---|
+//! | [`mod@admit`] | [`Logs`] | [`Admitted`](admit::Admitted) | bridges lost rows, thins logs to the rate of the machine |
+//! | [`mod@repair`] | [`Admitted`](admit::Admitted) | [`Repaired`](repair::Repaired) | names and corrects faults of the data, refuses logs that cannot be traced, filters signals |
+//! | [`mod@fit`] | [`AxisData`](fit::axis_data::AxisData) | [`Baseline`](fit::Baseline) | fits the declared values within their tolerance |
+//! | [`mod@search`] | [`Baseline`](fit::Baseline) | [`Hypotheses`](search::Hypotheses) | adds effects of the catalogue that the fit logs support |
+//! | [`mod@judge`] | [`Hypotheses`](search::Hypotheses) | [`Findings`](judge::Findings) | drops effects at a limit and effects that the validation logs refute, analyses what remains |
+//! | [`mod@result`] | [`Findings`](judge::Findings) | [`Identification`] | states what speaks against the effects, proposes motions that tell more |
 //!
-//! [`axis_trace`] executes these steps for one axis. [`outcome`] contains their results, [`options`] the thresholds, and
-//! [`not_testable`] the effects that were not searched for.
+//! `fit`, `search` and the first part of `judge` see one axis; all axes are traced at the same time.
+//!
+//! What several steps need stands beside them: signals ([`input`]), [`prediction`] of each stage by a model, from the measured signal
+//! upstream of the stage, [`analysis`] of residuals, [`alignment`] (names of the machine that the measuring chain imitates), the way by
+//! which effects leave a model ([`dropped`]), thresholds ([`options`]).
 
+pub mod admit;
 pub mod alignment;
 pub mod analysis;
-pub mod axis_trace;
-pub mod certainty;
-pub mod data_faults;
-mod displaced_head;
+pub mod dropped;
 pub mod fit;
 pub mod input;
-pub mod json;
-pub mod not_testable;
+pub mod judge;
 pub mod options;
-pub mod outcome;
 pub mod prediction;
-pub mod prepare;
+pub mod repair;
+pub mod result;
 pub mod search;
 pub mod stages;
 pub mod task;
-pub mod validation;
-pub mod verdict;
-pub mod whole;
 
 /// Names of the effects that a trace may find.
 pub use model::effects::names as effect_names;
 /// The declared machine.
 pub use model::machine::Machine;
 pub use options::TraceOptions;
-pub use outcome::Trace;
-pub use task::{Request, Task};
+pub use result::{AxisIdentification, Identification, certainty, json, verdict};
+pub use task::{Logs, Progress, Request, Task};
 
-use rayon::prelude::*;
-
-use certainty::state_doubts;
-use data_faults::Examined;
+use admit::admit;
 use files::error::InputError;
 use files::log::Log;
-use fit::axis_model::AxisModel;
-use fit::held_effects;
-use fit::scope_fit::Progress;
-use input::admission::{self, Admitted};
-use input::checks;
-use input::parts::Parts;
-use input::signals::Signals;
-use prepare::Preparation;
-use whole::WholeLogs;
-use whole::refinement::refine;
+use fit::fit;
+use judge::{judge, judge_together};
+use repair::repair;
+use result::identify;
+use search::search;
+use task::Job;
 
 /// Traces a machine with the default thresholds. Without validation logs the last quarter of each log is held out.
 ///
@@ -72,7 +61,7 @@ pub fn trace(
     fit: &[Log],
     validate: &[Log],
     progress: &Progress<'_>,
-) -> Result<Trace, InputError> {
+) -> Result<Identification, InputError> {
     trace_with(&TraceOptions::default(), machine, [fit, validate], progress)
 }
 
@@ -85,7 +74,7 @@ pub fn evaluate(
     fit: &[Log],
     validate: &[Log],
     progress: &Progress<'_>,
-) -> Result<Trace, InputError> {
+) -> Result<Identification, InputError> {
     requested(machine, [fit, validate], Request { task: Task::Evaluate, tables: false }, progress)
 }
 
@@ -95,11 +84,11 @@ pub fn evaluate(
 /// As [`trace`].
 pub fn requested(
     machine: &Machine,
-    logs: [&[Log]; 2],
+    logs: Logs<'_>,
     request: Request,
     progress: &Progress<'_>,
-) -> Result<Trace, InputError> {
-    run(&TraceOptions::default(), machine, logs, request, progress)
+) -> Result<Identification, InputError> {
+    run(&Job { machine, options: &TraceOptions::default(), request, progress }, logs)
 }
 
 /// Traces a machine with the given thresholds, fit logs and validation logs.
@@ -109,89 +98,22 @@ pub fn requested(
 pub fn trace_with(
     options: &TraceOptions,
     machine: &Machine,
-    logs: [&[Log]; 2],
+    logs: Logs<'_>,
     progress: &Progress<'_>,
-) -> Result<Trace, InputError> {
-    run(options, machine, logs, Request::default(), progress)
+) -> Result<Identification, InputError> {
+    run(&Job { machine, options, request: Request::default(), progress }, logs)
 }
 
-fn run(
-    options: &TraceOptions,
-    machine: &Machine,
-    logs: [&[Log]; 2],
-    request: Request,
-    progress: &Progress<'_>,
-) -> Result<Trace, InputError> {
-    let Examined { logs, faults, excluded } = data_faults::interpolate_lost_rows(machine, logs, options);
-    let Admitted { fit, validate, notes } = admission::at_machine_rate(machine, logs, &options.admission)?;
-    let interpolated = Examined { logs: [fit, validate], faults, excluded };
-    let Examined { logs: [fit, validate], mut faults, excluded } =
-        data_faults::examine(machine, interpolated, options)?;
-    let Admitted { fit, validate, mut notes } =
-        admission::admit(machine, Admitted { fit, validate, notes }, &options.admission)?;
-    for log in fit.iter().chain(&validate) {
-        checks::is_longer_than_settling(log, options)?;
-    }
-    let names: Vec<String> = machine.axis.keys().cloned().collect();
-    for name in names.iter().filter(|name| checks::is_at_rest(&fit, name, &options.admission)) {
-        if fit.iter().any(|log| log.axis(name).is_some()) {
-            notes.push(format!("{name}: did not move; only what other axes do to it can be seen."));
-        }
-    }
-    for (name, axis) in &machine.axis {
-        notes.extend(held_effects::notes(name, &axis.effect));
-    }
-    let first = fit.first().map(|log| log.source.clone());
-    let parts = Parts::of([&fit, &validate], &options.admission);
-    let preparation =
-        Preparation { machine, names: &names, first: first.as_deref(), excluded: &excluded, options };
-    let [fit_logs, validate_logs] = [0, 1].map(|set| {
-        let searched = parts.searched(set, &options.admission);
-        searched.par_iter().map(|piece| preparation.signals(piece)).collect::<Vec<Signals>>()
+fn run(job: &Job<'_>, logs: Logs<'_>) -> Result<Identification, InputError> {
+    let admitted = admit(job, logs)?;
+    let repaired = repair(job, admitted)?;
+    let of_axes = repaired.map_axes(|axis| {
+        let baseline = fit(job, axis);
+        let hypotheses = search(job, axis, baseline);
+        judge(job, axis, hypotheses)
     });
-    if parts.are_long {
-        notes.extend(parts.note(&options.admission));
-    }
-    let model = |axis| AxisModel::new(axis, machine.rates(), options.model);
-    let declared_axes = machine.axis.values().map(model).collect();
-    let mut trace = Trace {
-        axes: Vec::new(),
-        fit_logs,
-        validate_logs,
-        names: names.clone(),
-        machine: machine.clone(),
-        declared_axes,
-        options: *options,
-        notes,
-    };
-    let (late_commands, late) = trace.correct_late_commands();
-    faults.extend(late_commands);
-    trace.trace_axes(request, progress);
-    if parts.are_long {
-        refine(&mut trace, &WholeLogs { parts: &parts, preparation, late }, progress);
-    }
-    alignment::decide(&mut trace);
-    trace.assign(faults);
-    state_doubts(&mut trace);
-    trace.propose_motions();
-    Ok(trace)
-}
-
-impl Trace {
-    /// Traces all axes, at the same time unless their logs are long: memory would grow with their number.
-    fn trace_axes(&mut self, request: Request, progress: &Progress<'_>) {
-        let of_axis = |(i, axis): (usize, &model::machine::Axis)| {
-            let [fit_data, validate] = [&self.fit_logs, &self.validate_logs].map(|logs| self.data(logs, i));
-            axis_trace::trace(axis, [&fit_data, &validate], request, progress)
-        };
-        let axes: Vec<&model::machine::Axis> = self.machine.axis.values().collect();
-        let samples: usize = self.fit_logs.iter().map(Signals::len).sum();
-        self.axes = if samples * axes.len() <= self.options.admission.max_samples_at_once {
-            axes.into_par_iter().enumerate().map(of_axis).collect()
-        } else {
-            axes.into_iter().enumerate().map(of_axis).collect()
-        };
-    }
+    let findings = judge_together(job, &repaired, of_axes);
+    Ok(identify(repaired, findings))
 }
 
 #[cfg(test)]
@@ -247,9 +169,9 @@ mod tests {
         log.axes[0].table = log.axes[0].motor.clone();
         let trace = trace(&machine, &[log], &[], &|_| {}).unwrap();
         assert!(
-            trace.axes[0].residuals.iter().all(|error| error.stage != Stage::Force),
+            trace.axes()[0].residuals.iter().all(|error| error.stage != Stage::Force),
             "{:?}",
-            trace.axes[0].residuals
+            trace.axes()[0].residuals
         );
     }
 
@@ -257,6 +179,6 @@ mod tests {
     fn a_declared_effect_may_be_outside_its_search_range() {
         let effect = "[[axis.x.effect]]\nname = \"stribeck\"\nstatic_excess_n = 1.0\nvelocity_mm_s = 0.01\n";
         let trace = trace(&machine(effect), &[log(100.0)], &[], &|_| {}).unwrap();
-        assert!(trace.axes[0].found.is_empty(), "{:?}", trace.axes[0].found);
+        assert!(trace.axes()[0].found.is_empty(), "{:?}", trace.axes()[0].found);
     }
 }

@@ -207,7 +207,7 @@ fn a_trace_with_an_added_force_finds_no_effect() {
     let log = log(&machine);
     let motor = |log: Log| {
         let trace = trace(&machine, &[log], &[], &|_| {}).unwrap();
-        let axis = &trace.axes[0];
+        let axis = &trace.axes()[0];
         let found: Vec<String> = axis.found.iter().map(|found| found.effect.name().to_owned()).collect();
         (found, *axis.residuals.iter().find(|error| error.stage == Stage::Motor).unwrap())
     };

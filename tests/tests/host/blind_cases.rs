@@ -26,7 +26,7 @@ fn the_effects_found_in_every_case_are_exactly_the_true_ones() {
         let traced = traces::of_case(&folder);
         let found: Effects = traced
             .trace
-            .axes
+            .axes()
             .iter()
             .flat_map(|axis| axis.found.iter().map(|f| (axis.axis.clone(), f.effect.name().to_owned())))
             .collect();

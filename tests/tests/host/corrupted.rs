@@ -4,7 +4,7 @@ use files::log::{AxisLog, Log};
 use model::machine::Machine;
 use report::sentences;
 use trace::verdict::{self, Verdict};
-use trace::{Trace, trace};
+use trace::{Identification, trace};
 
 const FIT: &str = model::examples::DEMO_CIRCLE;
 const VALIDATE: &str = model::examples::DEMO_BALLBAR;
@@ -25,7 +25,7 @@ fn logs([fit, validate]: [&Machine; 2]) -> [Log; 2] {
     [demo::log(fit, FIT, 0.0, 1).unwrap(), demo::log(validate, VALIDATE, 40.0, 2).unwrap()]
 }
 
-fn traced(declared: &Machine, [fit, validate]: [Log; 2]) -> Trace {
+fn traced(declared: &Machine, [fit, validate]: [Log; 2]) -> Identification {
     trace(declared, &[fit], &[validate], &|_| {}).unwrap()
 }
 
@@ -43,10 +43,10 @@ fn an_effect_at_the_limit_of_its_search_is_rejected_by_name() {
     let truth = machine("position_gain_per_s = 50.0", "position_gain_per_s = 110.0");
     let declared = machine("position_gain_per_s = 50.0", "position_gain_per_s = 22.0");
     let trace = traced(&declared, logs([&truth; 2]));
-    let axis = &trace.axes[0];
+    let axis = &trace.axes()[0];
     assert!(axis.found.iter().all(|found| found.effect.name() != "servo_mismatch"), "{:?}", axis.found);
     assert!(trace.better_machine().axis["x"].effect.is_empty(), "expected no effect in the model");
-    let json = trace::json::of(&trace, false);
+    let json = trace::json::Document::of(&trace, &[], false).value();
     let refused = json["refused"].as_array().unwrap();
     // A late command resembles a gain, and ended at its limit of a sample as well.
     let names: Vec<&str> = refused.iter().filter_map(|one| one["name"].as_str()).collect();
@@ -68,7 +68,7 @@ fn an_effect_that_the_validation_log_refutes_is_listed_with_both_residuals() {
     let effect = "[[axis.x.effect]]\nname = \"pitch_progressive\"\nslope_um_per_m = 80.0\n\n[axis.y]";
     let fitted = machine("[axis.y]", effect);
     let trace = traced(&declared(), logs([&fitted, &declared()]));
-    let axis = &trace.axes[0];
+    let axis = &trace.axes()[0];
     assert!(axis.found.is_empty(), "{:?}", axis.found);
     assert!(trace.better_machine().axis["x"].effect.is_empty());
     let [refuted] = &axis.refuted[..] else { panic!("{:?}", axis.refuted) };
@@ -82,7 +82,7 @@ fn an_effect_that_the_validation_log_refutes_is_listed_with_both_residuals() {
     // The reported model is the one without the effect.
     let table = axis.residuals.iter().find(|error| error.stage == refuted.stage).unwrap();
     assert!((table.after.validate / refuted.before.validate - 1.0).abs() < 1e-9, "{table:?} {refuted:?}");
-    let json = trace::json::of(&trace, false);
+    let json = trace::json::Document::of(&trace, &[], false).value();
     assert_eq!(json["effects"].as_array().map(Vec::len), Some(0));
     assert_eq!(json["refuted"][0]["name"], "pitch_progressive");
     assert_eq!(json["refuted"][0]["before_um"]["validate"].as_f64(), Some(refuted.before.validate));
@@ -97,8 +97,8 @@ fn an_effect_that_the_validation_log_refutes_is_listed_with_both_residuals() {
 fn verdict_of(declared: &Machine, logs: [Log; 2]) -> (Verdict, bool) {
     let trace = traced(declared, logs);
     let verdict = verdict::of(&trace);
-    assert_eq!(trace::json::of(&trace, false)["verdict"], serde_json::json!(verdict));
-    let sentences = sentences::of_axis(&trace.axes[0]);
+    assert_eq!(trace::json::Document::of(&trace, &[], false).value()["verdict"], serde_json::json!(verdict));
+    let sentences = sentences::of_axis(&trace.axes()[0]);
     let starts =
         ["x: the model does not describe these logs", "x: this machine file does not describe this machine"];
     let says_not_described =
@@ -140,7 +140,7 @@ fn validation_logs_that_the_model_does_not_describe_are_reported() {
     wander(&mut validate.axes[0]);
     let trace = traced(&declared(), [fit, validate]);
     assert_eq!(verdict::of(&trace), Verdict::Unexplained);
-    let sentences = sentences::of_axis(&trace.axes[0]);
+    let sentences = sentences::of_axis(&trace.axes()[0]);
     assert!(sentences[0].starts_with("x: the model does not describe the logs held out"), "{sentences:?}");
     assert!(
         sentences.iter().all(|sentence| !sentence.contains("does not describe these logs")),
@@ -148,7 +148,7 @@ fn validation_logs_that_the_model_does_not_describe_are_reported() {
     );
     // y is unchanged.
     assert!(
-        sentences::of_axis(&trace.axes[1]).iter().all(|sentence| !sentence.contains("does not describe"))
+        sentences::of_axis(&trace.axes()[1]).iter().all(|sentence| !sentence.contains("does not describe"))
     );
 }
 
@@ -172,7 +172,8 @@ fn each_effect_is_stated_with_the_share_that_shows_it() {
     let first = motor.iter().position(|mm| *mm > 40.0).unwrap();
     let beyond = motor[first..].iter().take_while(|mm| **mm > 40.0).count();
     let trace = traced(&declared(), [fit, whole.slice(first..first + beyond)]);
-    let slope = trace.axes[0].found.iter().find(|found| found.effect.name() == "pitch_progressive").unwrap();
+    let slope =
+        trace.axes()[0].found.iter().find(|found| found.effect.name() == "pitch_progressive").unwrap();
     // The mean slope of the wave over the travel is zero, as it is even.
     let value = slope.effect.values()[0];
     assert!((value - 10.0).abs() < 2.0 * slope.half_widths[0].max(0.5), "{value}");

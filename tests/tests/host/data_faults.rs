@@ -5,9 +5,9 @@ use model::effects::Stage;
 use model::machine::Machine;
 use report::sentences;
 use tests::cases;
-use trace::data_faults::{self, FaultKind};
+use trace::repair::{self, FaultKind};
 use trace::verdict::{self, Verdict};
-use trace::{Trace, TraceOptions, trace};
+use trace::{Identification, TraceOptions, trace};
 
 fn declared() -> Machine {
     Machine::parse(demo::MACHINE, "m.toml").unwrap()
@@ -19,7 +19,7 @@ fn logs(machine: &Machine) -> [Log; 2] {
     [log(model::examples::DEMO_CIRCLE, 0.0, 1), log(model::examples::DEMO_BALLBAR, 40.0, 2)]
 }
 
-fn traced([fit, validate]: [Log; 2]) -> Trace {
+fn traced([fit, validate]: [Log; 2]) -> Identification {
     trace(&declared(), &[fit], &[validate], &|_| {}).unwrap()
 }
 
@@ -36,15 +36,15 @@ fn on_x(channel: Channel, change: impl Fn(&mut [f64])) -> impl Fn(&mut Log) {
 }
 
 /// Axis, channel and kind of the faults, without repetitions.
-fn named(trace: &Trace) -> Vec<(String, Option<Channel>, FaultKind)> {
-    let faults = trace.axes.iter().flat_map(|axis| &axis.data_faults);
+fn named(trace: &Identification) -> Vec<(String, Option<Channel>, FaultKind)> {
+    let faults = trace.axes().iter().flat_map(|axis| &axis.data_faults);
     let mut named: Vec<_> = faults.map(|fault| (fault.axis.clone(), fault.channel, fault.kind)).collect();
     named.dedup();
     named
 }
 
-fn residual(trace: &Trace, stage: Stage) -> [f64; 3] {
-    let error = trace.axes[0].residuals.iter().find(|error| error.stage == stage).unwrap();
+fn residual(trace: &Identification, stage: Stage) -> [f64; 3] {
+    let error = trace.axes()[0].residuals.iter().find(|error| error.stage == stage).unwrap();
     [error.after.fit, error.after.validate, error.noise]
 }
 
@@ -100,7 +100,11 @@ fn a_corrected_fault_leaves_the_result_of_the_sound_logs() {
         let errors = [&trace, &sound]
             .map(|trace| [Stage::Motor, Stage::Table, Stage::Force].map(|stage| residual(trace, stage)));
         assert_eq!(verdict::of(&trace), verdict::of(&sound), "{kind:?}: {errors:?}");
-        assert!(trace.axes.iter().all(|axis| axis.found.is_empty()), "{kind:?}: {:?}", trace.axes[0].found);
+        assert!(
+            trace.axes().iter().all(|axis| axis.found.is_empty()),
+            "{kind:?}: {:?}",
+            trace.axes()[0].found
+        );
         for stage in [Stage::Motor, Stage::Table, Stage::Force] {
             let pairs = residual(&trace, stage).into_iter().zip(residual(&sound, stage));
             for (number, (with, without)) in pairs.enumerate() {
@@ -112,7 +116,7 @@ fn a_corrected_fault_leaves_the_result_of_the_sound_logs() {
                 assert!((0.9 * without..largest).contains(&with), "{context}");
             }
         }
-        let json = trace::json::of(&trace, false);
+        let json = trace::json::Document::of(&trace, &[], false).value();
         let fault = &json["data_faults"][0];
         assert_eq!((&fault["axis"], &fault["kind"]), (&"x".into(), &kind.name().into()));
         let summary = sentences::summary(&trace);
@@ -126,7 +130,7 @@ fn a_corrected_fault_leaves_the_result_of_the_sound_logs() {
 fn a_channel_with_an_unknown_factor_is_not_used() {
     let trace = traced(changed(on_x(Channel::Motor, |v| v.iter_mut().for_each(|mm| *mm *= 1.6))));
     assert_eq!(named(&trace), [("x".to_owned(), Some(Channel::Motor), FaultKind::Unit)]);
-    let axis = &trace.axes[0];
+    let axis = &trace.axes()[0];
     assert!((axis.data_faults[0].size.unwrap() / 1.6 - 1.0).abs() < 1e-3, "{:?}", axis.data_faults);
     let missing: Vec<Stage> = axis.not_testable.iter().map(|stage| stage.stage).collect();
     for stage in [Stage::Motor, Stage::Table, Stage::Force] {
@@ -135,7 +139,7 @@ fn a_channel_with_an_unknown_factor_is_not_used() {
     assert!(axis.not_testable[0].needs.contains("a motor channel without the fault \"unit\""), "{axis:?}");
     assert!(axis.found.is_empty(), "{:?}", axis.found);
     assert!(verdict::of(&trace) >= Verdict::Unexplained);
-    assert!(!trace.axes[1].residuals.is_empty(), "y is traced");
+    assert!(!trace.axes()[1].residuals.is_empty(), "y is traced");
 }
 
 #[test]
@@ -146,7 +150,7 @@ fn exchanged_scales_are_exchanged_back() {
     }));
     let kind = (Some(Channel::Table), FaultKind::Exchanged);
     assert_eq!(named(&trace), ["x", "y"].map(|axis| (axis.to_owned(), kind.0, kind.1)));
-    assert!(trace.axes.iter().all(|axis| axis.found.is_empty()), "{:?}", trace.axes[0].found);
+    assert!(trace.axes().iter().all(|axis| axis.found.is_empty()), "{:?}", trace.axes()[0].found);
     let sound = residual(&traced(logs(&declared())), Stage::Table);
     assert!((residual(&trace, Stage::Table)[0] / sound[0] - 1.0).abs() < 1e-9);
 }
@@ -161,9 +165,9 @@ fn a_slip_of_the_probe_does_not_hide_a_thermal_drift() {
     let trace = traced([fit, validate]);
     assert_eq!(named(&trace), [("x".to_owned(), Some(Channel::Tool), FaultKind::Slip)]);
     // The probe has 0.1 µm of noise; lines through 32 samples on either side, 0.14·4/√64: 0.07 µm.
-    let size = trace.axes[0].data_faults[0].size.unwrap();
+    let size = trace.axes()[0].data_faults[0].size.unwrap();
     assert!((size + 8.0).abs() < 0.3, "{size}");
-    let [found] = &trace.axes[0].found[..] else { panic!("{:?}", trace.axes[0].found) };
+    let [found] = &trace.axes()[0].found[..] else { panic!("{:?}", trace.axes()[0].found) };
     assert_eq!(found.effect.name(), "thermal_drift");
     let [amplitude, time_constant] = [0, 1].map(|i| found.effect.parameters()[i].1);
     assert!((amplitude / 12.0 - 1.0).abs() < 0.05 && (time_constant / 10.0 - 1.0).abs() < 0.1, "{found:?}");
@@ -178,10 +182,10 @@ fn a_late_command_is_shifted_back() {
             v[..late].fill(first);
         })));
         assert_eq!(named(&trace), [("x".to_owned(), Some(Channel::Command), FaultKind::Shifted)], "{late}");
-        let sizes: Vec<f64> = trace.axes[0].data_faults.iter().filter_map(|fault| fault.size).collect();
+        let sizes: Vec<f64> = trace.axes()[0].data_faults.iter().filter_map(|fault| fault.size).collect();
         // 1 kHz: one sample is 1 ms.
         assert!(sizes.len() == 2 && sizes.iter().all(|ms| (ms - late as f64).abs() < 1e-9), "{sizes:?}");
-        assert!(trace.axes[0].found.is_empty(), "{late}: {:?}", trace.axes[0].found);
+        assert!(trace.axes()[0].found.is_empty(), "{late}: {:?}", trace.axes()[0].found);
     }
 }
 
@@ -207,8 +211,8 @@ fn a_wrong_gain_or_feedforward_is_not_a_late_command() {
 fn a_dead_scale_is_not_used_and_the_rest_is_traced() {
     let trace = traced(changed(on_x(Channel::Table, |v| v.fill(5.0))));
     assert_eq!(named(&trace), [("x".to_owned(), Some(Channel::Table), FaultKind::Dead)]);
-    assert!(trace.axes[0].residuals.iter().any(|error| error.stage == Stage::Force));
-    assert!(trace.axes[0].residuals.iter().all(|error| error.stage != Stage::Table));
+    assert!(trace.axes()[0].residuals.iter().any(|error| error.stage == Stage::Force));
+    assert!(trace.axes()[0].residuals.iter().all(|error| error.stage != Stage::Table));
     assert!(verdict::of(&trace) >= Verdict::Unexplained);
 }
 
@@ -225,10 +229,10 @@ fn a_log_shorter_than_its_settling_is_refused() {
 }
 
 /// The faults of logs at their own rate.
-fn examined(machine: &Machine, logs: &[Log]) -> Vec<data_faults::DataFault> {
+fn examined(machine: &Machine, logs: &[Log]) -> Vec<repair::DataFault> {
     let options = TraceOptions::default();
-    let interpolated = data_faults::interpolate_lost_rows(machine, [logs, &[]], &options);
-    data_faults::examine(machine, interpolated, &options).unwrap().faults
+    let interpolated = repair::interpolate_lost_rows(machine, [logs, &[]], &options);
+    repair::examine(machine, interpolated, &options).unwrap().faults
 }
 
 #[test]

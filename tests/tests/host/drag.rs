@@ -7,7 +7,7 @@ use files::log::{AxisLog, Log, Unit};
 use model::machine::Machine;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use trace::{Trace, trace};
+use trace::{Identification, trace};
 
 const SAMPLE_S: f64 = 1e-3;
 const MASS_KG: f64 = 95.0;
@@ -41,7 +41,7 @@ fn log(seed: u64, force_at_1_m_per_s: f64) -> Log {
     Log { source: "x.csv".to_owned(), start_s: 0.0, sample_time_s: SAMPLE_S, axes: vec![axis] }
 }
 
-fn traced(seed: u64, force_at_1_m_per_s: f64) -> Trace {
+fn traced(seed: u64, force_at_1_m_per_s: f64) -> Identification {
     let text = format!(
         "name = \"m\"\nsample_rate_hz = 1000.0\n[axis.x]\nmotor_mass_kg = 0.0\ntable_mass_kg = {MASS_KG:?}\ncoulomb_n = {COULOMB_N:?}\n\
          viscous_n_s_per_m = {VISCOUS_N_S_PER_M:?}\nplant_tolerance_percent = 10.0\n"
@@ -57,9 +57,9 @@ fn traced(seed: u64, force_at_1_m_per_s: f64) -> Trace {
 fn a_drag_is_found_with_its_size() {
     for seed in 0..3 {
         let trace = traced(seed, 150.0);
-        let names: Vec<&str> = trace.axes[0].found.iter().map(|found| found.effect.name()).collect();
+        let names: Vec<&str> = trace.axes()[0].found.iter().map(|found| found.effect.name()).collect();
         assert_eq!(names, ["quadratic_drag"], "{seed}");
-        let found = &trace.axes[0].found[0];
+        let found = &trace.axes()[0].found[0];
         let (value_n, half_n) = (found.effect.values()[0], found.half_widths[0]);
         assert!((value_n - 150.0).abs() < half_n && half_n < 7.5, "{seed}: {value_n} ± {half_n} N");
     }
@@ -68,6 +68,6 @@ fn a_drag_is_found_with_its_size() {
 #[test]
 fn no_drag_is_found_where_there_is_none() {
     for seed in 0..10 {
-        assert!(traced(seed, 0.0).axes[0].found.is_empty(), "{seed}");
+        assert!(traced(seed, 0.0).axes()[0].found.is_empty(), "{seed}");
     }
 }

@@ -5,7 +5,8 @@ use files::log::{Channel, Log};
 use model::effects::Stage;
 use model::machine::Machine;
 use model::residual_table::{ResidualTable, TableChannel, TableVariable};
-use trace::outcome::{StageResidual, Trace};
+use trace::Identification;
+use trace::judge::StageResidual;
 use trace::{Request, Task, requested};
 
 /// Height (µm) and standard deviation (mm) of the hump.
@@ -30,11 +31,11 @@ fn machine() -> Machine {
     machine
 }
 
-fn of_tool(trace: &Trace) -> StageResidual {
-    *trace.axes[0].residuals.iter().find(|error| error.stage == Stage::Tool).unwrap()
+fn of_tool(trace: &Identification) -> StageResidual {
+    *trace.axes()[0].residuals.iter().find(|error| error.stage == Stage::Tool).unwrap()
 }
 
-fn traced(machine: &Machine, [fit, validate]: &[Vec<Log>; 2], task: Task, tables: bool) -> Trace {
+fn traced(machine: &Machine, [fit, validate]: &[Vec<Log>; 2], task: Task, tables: bool) -> Identification {
     requested(machine, [fit, validate], Request { task, tables }, &|_| {}).unwrap()
 }
 
@@ -91,7 +92,7 @@ fn a_table_is_found_written_and_read_again() {
     assert_eq!(again, model);
     for task in [Task::Evaluate, Task::Search] {
         let second = traced(&again, &logs, task, false);
-        for (axis, of_first) in second.axes.iter().zip(&first.axes) {
+        for (axis, of_first) in second.axes().iter().zip(first.axes()) {
             assert!(axis.found.is_empty(), "{:?}", axis.found);
             for (error, reported) in axis.residuals.iter().zip(&of_first.residuals) {
                 for (given, reported) in

@@ -2,7 +2,7 @@
 
 use files::log::{Channel, Log};
 use model::machine::Machine;
-use trace::data_faults::FaultKind;
+use trace::repair::FaultKind;
 use trace::trace;
 
 /// 60 nm at 50.02 Hz on both scales, 6 N on both forces.
@@ -29,7 +29,7 @@ fn a_hum_is_named_and_does_not_hide_an_effect() {
     let trace = trace(&declared, &fit, &validate, &|_| {}).unwrap();
     assert_eq!(trace.found_names(), ["x: squareness"]);
     for (axis, log) in
-        trace.axes.iter().flat_map(|axis| fit.iter().chain(&validate).map(move |log| (axis, log)))
+        trace.axes().iter().flat_map(|axis| fit.iter().chain(&validate).map(move |log| (axis, log)))
     {
         let of = |channel| {
             let mut faults = axis.data_faults.iter().filter(|fault| fault.log == log.source);

@@ -25,5 +25,6 @@ mod measured_data;
 mod model_again;
 mod module_circles;
 mod no_false_names;
+mod trace_schema;
 mod traces;
 mod usb_port;

@@ -9,7 +9,7 @@ use friction_map::{FrictionMap, explain};
 use model::effects::Stage;
 use model::machine::Machine;
 use tests::data::data_folder;
-use trace::outcome::AxisTrace;
+use trace::AxisIdentification;
 
 /// The entries of a folder, sorted.
 fn entries(folder: &Path) -> Vec<PathBuf> {
@@ -27,7 +27,7 @@ fn the_trace_of_emps_matches_the_readme() {
     let Some(data) = data_folder("data/emps") else { return };
     let traced = traces::of_measured(&data, "train.csv");
     let trace = &traced.trace;
-    let axis = &trace.axes[0];
+    let axis = &trace.axes()[0];
     let names: Vec<&str> = axis.found.iter().map(|found| found.effect.name()).collect();
     let expected = [
         "friction_asymmetry",
@@ -70,7 +70,7 @@ fn the_trace_of_emps_matches_the_readme() {
 }
 
 /// Without feedback: the figures of `docs/results.md`, ±1 % and half of their last digit.
-fn assert_free_runs(axis: &AxisTrace) {
+fn assert_free_runs(axis: &AxisIdentification) {
     let rows = ["within 0.1 s", "within 0.5 s", "within 2 s", "over the whole lap"];
     assert_eq!(axis.free_runs.iter().map(|run| run.seconds).collect::<Vec<_>>(), [0.1, 0.5, 2.0, 6.0]);
     for (run, row) in axis.free_runs.iter().zip(rows) {
@@ -113,10 +113,10 @@ fn emps_has_no_stribeck_effect() {
     let Some(data) = data_folder("data/emps") else { return };
     let traced = traces::of_measured(&data, "train.csv");
     let trace = &traced.trace;
-    let tried = trace.axes[0].rounds.iter().flat_map(|round| &round.candidates);
+    let tried = trace.axes()[0].rounds.iter().flat_map(|round| &round.candidates);
     let stribeck: Vec<_> = tried.filter(|c| c.effect.name() == "stribeck" && c.fitted.is_some()).collect();
     assert!(!stribeck.is_empty(), "expected the Stribeck effect among the candidates");
-    let options = &trace.options.search;
+    let options = &trace.options().search;
     assert!(stribeck.iter().all(|c| !c.is_consistent(options)), "{stribeck:?}");
 }
 
@@ -126,7 +126,7 @@ fn stages_that_cannot_be_tested_are_listed() {
     let Some(data) = data_folder("data/kuka") else { return };
     let traced = traces::of_measured(&data, "recording_a.csv");
     let trace = &traced.trace;
-    for axis in &trace.axes {
+    for axis in trace.axes() {
         let stages: Vec<Stage> = axis.not_testable.iter().map(|n| n.stage).collect();
         assert_eq!(stages, [Stage::Motor, Stage::Tool, Stage::Force], "{}", axis.axis);
         assert_eq!(axis.residuals.len(), 1);
@@ -198,13 +198,13 @@ fn the_robot_has_latency_and_windup() {
     let Some(data) = data_folder("data/kuka") else { return };
     let traced = traces::of_measured(&data, "recording_a.csv");
     let trace = &traced.trace;
-    let names = |i: usize| trace.axes[i].found.iter().map(|found| found.effect.name()).collect::<Vec<_>>();
+    let names = |i: usize| trace.axes()[i].found.iter().map(|found| found.effect.name()).collect::<Vec<_>>();
     assert_eq!(names(0), ["latency", "pitch_progressive", "windup"]);
     assert_eq!(names(1), ["latency"]);
     assert_eq!(names(2), ["latency", "windup"]);
     let near = |value: f64, figure: f64| (value / figure - 1.0).abs() < 0.01;
     let held_out = [(9.996, 2.554), (14.552, 5.052), (8.073, 2.394)];
-    for (axis, (before, after)) in trace.axes.iter().zip(held_out) {
+    for (axis, (before, after)) in trace.axes().iter().zip(held_out) {
         let error = &axis.residuals[0];
         assert!(near(error.before.validate, before) && near(error.after.validate, after), "{error:?}");
         // One bus reads all three axes: the same latency of 3 ms, within the uncertainty from wind-up.

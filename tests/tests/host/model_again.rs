@@ -9,16 +9,16 @@ use model::machine::Machine;
 use tests::cases;
 use tests::data::data_folder;
 use trace::fit::fit_data::FitAndValidationRms;
-use trace::outcome::StageResidual;
-use trace::{Trace, trace};
+use trace::judge::StageResidual;
+use trace::{Identification, trace};
 
 /// Relative tolerance of a residual: fits end when a step reduces Σr² by less than 1e-4, and the bias of the model is
 /// known to two per mille of the residual.
 const TOLERANCE: f64 = 0.02;
 
 /// All residuals of a trace, by name.
-fn residuals(trace: &Trace, of: fn(&StageResidual) -> FitAndValidationRms) -> Vec<(String, f64)> {
-    let of_axis = |axis: &trace::outcome::AxisTrace| {
+fn residuals(trace: &Identification, of: fn(&StageResidual) -> FitAndValidationRms) -> Vec<(String, f64)> {
+    let of_axis = |axis: &trace::AxisIdentification| {
         let of_stage = |error: &StageResidual| {
             let FitAndValidationRms { fit, validate } = of(error);
             [("fit", fit), ("validate", validate)]
@@ -26,19 +26,19 @@ fn residuals(trace: &Trace, of: fn(&StageResidual) -> FitAndValidationRms) -> Ve
         };
         axis.residuals.iter().flat_map(of_stage).collect::<Vec<_>>()
     };
-    trace.axes.iter().flat_map(of_axis).collect()
+    trace.axes().iter().flat_map(of_axis).collect()
 }
 
 /// Asserts that a second and a third trace, each from the model of the one before, change nothing.
-fn assert_is_stable(name: &str, first: &Trace, fit: &[Log], validate: &[Log]) {
-    let mut last: Option<Trace> = None;
+fn assert_is_stable(name: &str, first: &Identification, fit: &[Log], validate: &[Log]) {
+    let mut last: Option<Identification> = None;
     for round in ["second", "third"] {
         let previous = last.as_ref().unwrap_or(first);
         let text = previous.better_machine().to_toml();
         let again = Machine::parse(&text, "better.toml").unwrap();
         assert_eq!(again, previous.better_machine(), "{name}: the file is the model");
         let next = trace(&again, fit, validate, &|_| {}).unwrap();
-        let found: Vec<_> = next.axes.iter().flat_map(|axis| &axis.found).collect();
+        let found: Vec<_> = next.axes().iter().flat_map(|axis| &axis.found).collect();
         assert!(found.is_empty(), "{name}, {round}: {found:?}");
         let reported = residuals(previous, |error| error.after);
         let given = residuals(&next, |error| error.before);

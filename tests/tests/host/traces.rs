@@ -7,7 +7,7 @@ use std::sync::{Arc, LazyLock, Mutex, OnceLock};
 use files::log::Log;
 use model::machine::Machine;
 use tests::cases;
-use trace::{Trace, trace};
+use trace::{Identification, trace};
 
 /// A trace that a test may be computing: others that need it wait.
 type Shared = Arc<OnceLock<Arc<Traced>>>;
@@ -19,7 +19,7 @@ static TRACES: LazyLock<Mutex<HashMap<Vec<PathBuf>, Shared>>> = LazyLock::new(Mu
 pub struct Traced {
     pub fit: Vec<Log>,
     pub validate: Vec<Log>,
-    pub trace: Trace,
+    pub trace: Identification,
 }
 
 /// The trace of a blind case.

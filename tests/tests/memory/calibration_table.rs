@@ -45,7 +45,7 @@ fn peak_bytes(machine: &Machine, log: &Log) -> usize {
     let before = ALLOCATOR.current_usage();
     ALLOCATOR.reset_peak_usage();
     let trace = trace::trace(machine, std::slice::from_ref(log), &[], &|_| {}).unwrap();
-    assert!(!trace.axes.is_empty());
+    assert!(!trace.axes().is_empty());
     ALLOCATOR.peak_usage() - before
 }
 

@@ -31,9 +31,9 @@ fn peak_bytes(machine: &Machine, log: &Log) -> usize {
     let logs = std::slice::from_ref(log);
     let traced = trace::trace_with(&options, machine, [logs, &[]], &|_| {}).unwrap();
     assert!(
-        traced.notes.iter().any(|note| note.contains("effects are searched for in")),
+        traced.notes().iter().any(|note| note.contains("effects are searched for in")),
         "{:?}",
-        traced.notes
+        traced.notes()
     );
     ALLOCATOR.peak_usage() - before
 }

@@ -4,10 +4,10 @@
 //! exponential fits. It is a rate.
 
 use crate::fit::fit_data::FitData;
+use crate::fit::fitted_axis::FittedAxis;
 use crate::fit::least_squares;
+use crate::judge::found_effect::FoundEffect;
 use crate::search::held_out::{compare, scores};
-use crate::validation::fitted_axis::FittedAxis;
-use crate::validation::found_effect::FoundEffect;
 use model::effects::Stage;
 
 /// Time on the session clock at which the last fit log ends, s. A drift begins at time zero.

@@ -4,7 +4,7 @@
 //! - [`slope`]: gain of probe and scale against the lead of the screw
 //! - [`wave`]: periodic errors of the scale against those of the screw
 //! - [`drift_rate`]: drifts whose time constant the logs do not hold
-//! - [`tool_slopes`](crate::validation::tool_slopes): the slopes of the tool stage with their intervals, whether or not an effect was found
+//! - [`tool_slopes`](crate::judge::tool_slopes): the slopes of the tool stage with their intervals, whether or not an effect was found
 
 pub mod drift_rate;
 pub mod slope;
@@ -14,8 +14,10 @@ pub mod wave;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
 use crate::fit::scope::Scope;
-use crate::outcome::Trace;
-use crate::validation::found_effect::FoundEffect;
+use crate::input::signals::Signals;
+use crate::judge::axis_findings::AxisFindings;
+use crate::judge::found_effect::FoundEffect;
+use crate::options::SearchOptions;
 use model::effects::Stage;
 
 /// Adds what one axis alone shows to be rivals of the effects found.
@@ -25,12 +27,13 @@ pub fn doubt(data: &FitData<'_>, model: &AxisModel, scopes: &[Scope], found: &mu
     drift_rate::doubt(data, found);
 }
 
-/// Decides between the machine and the scales and probes that measure it, from all axes together.
-pub fn decide(trace: &mut Trace) {
-    turn::separate(trace);
-    let min_size = trace.options.search.min_size;
-    for (number, axis) in trace.axes.iter_mut().enumerate() {
-        let has_table = trace.fit_logs.iter().all(|log| log.axes[number].table.is_some());
-        slope::decide(axis, has_table, min_size);
-    }
+/// The findings, decided between the machine and the scales and probes that measure it, from all axes together.
+#[must_use]
+pub fn decide(fit_logs: &[Signals], axes: Vec<AxisFindings>, options: &SearchOptions) -> Vec<AxisFindings> {
+    let separated = turn::separated(axes, options.min_size);
+    let decided = |(number, axis): (usize, AxisFindings)| {
+        let has_table = fit_logs.iter().all(|log| log.axes[number].table.is_some());
+        slope::decided(axis, has_table, options.min_size)
+    };
+    separated.into_iter().enumerate().map(decided).collect()
 }

@@ -4,9 +4,10 @@
 //! has the slope g − e with the gain g of the probe. Of three unknowns two are measured: where one of them alone explains both,
 //! it is taken; otherwise a slope as large as scales have errors is that of the screw or of the scale.
 
-use crate::outcome::AxisTrace;
-use crate::validation::found_effect::FoundEffect;
-use crate::validation::tool_slopes::Slope;
+use crate::dropped::{Dropped, Reason};
+use crate::judge::axis_findings::AxisFindings;
+use crate::judge::found_effect::FoundEffect;
+use crate::judge::tool_slopes::Slope;
 use files::log::Unit;
 use model::effects::{Effect, LEAST_SLOPE_UM_PER_M, SlopeOf, Stage};
 
@@ -16,13 +17,20 @@ const SCALE_UM_PER_M: f64 = 20.0;
 /// Largest gain of a scale, in standard deviations.
 const MOST: f64 = 3.0;
 
-/// Names the scale where the probe shows it, or as a rival where nothing does.
-pub fn decide(axis: &mut AxisTrace, has_table: bool, min_size: f64) {
+/// The findings with the scale named where the probe shows it, or as a rival where nothing does.
+#[must_use]
+pub fn decided(mut axis: AxisFindings, has_table: bool, min_size: f64) -> AxisFindings {
+    decide(&mut axis, has_table, min_size);
+    axis
+}
+
+fn decide(axis: &mut AxisFindings, has_table: bool, min_size: f64) {
     if axis.unit == Unit::Degree {
         return;
     }
-    let find =
-        |axis: &AxisTrace, of: SlopeOf| axis.found.iter().position(|found| found.effect.slope() == Some(of));
+    let find = |axis: &AxisFindings, of: SlopeOf| {
+        axis.found.iter().position(|found| found.effect.slope() == Some(of))
+    };
     if !axis.residuals.iter().any(|error| error.stage == Stage::Table) {
         let probe = axis.found.iter_mut().find(|found| found.effect.slope() == Some(SlopeOf::Probe));
         if let Some(probe) = probe {
@@ -71,11 +79,13 @@ fn doubt_probe(found: &mut FoundEffect, has_table: bool) {
 }
 
 /// Gives the slope of the screw to the scale, and drops the gain of the probe that made up for it.
-fn to_scale(axis: &mut AxisTrace, screw: usize, slope: Slope) {
+fn to_scale(axis: &mut AxisFindings, screw: usize, slope: Slope) {
     let effect = SlopeOf::Scale.effect(slope.um_per_m);
     axis.found[screw].effect = effect.clone();
     axis.found[screw].rivals.clear();
-    axis.found.retain(|found| found.effect.slope() != Some(SlopeOf::Probe));
+    let is_of_probe = |found: &mut FoundEffect| found.effect.slope() == Some(SlopeOf::Probe);
+    let of_probe = axis.found.extract_if(.., is_of_probe).map(|found| found.effect);
+    axis.dropped.extend(of_probe.map(|effect| Dropped { effect, reason: Reason::MadeUpForName }));
     let is_replaced = |effect: &Effect| matches!(effect.slope(), Some(SlopeOf::Screw | SlopeOf::Probe));
     while let Some(index) = axis.model.found().iter().position(is_replaced) {
         axis.model = axis.model.without(index);

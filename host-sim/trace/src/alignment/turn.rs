@@ -4,15 +4,21 @@
 //! only the angle of the probe appears: B = −angle, which is the value of its `probe_rotation`. What neither axis alone shows, both
 //! together do.
 
-use crate::outcome::{AxisTrace, Trace};
-use crate::validation::found_effect::FoundEffect;
-use crate::validation::tool_slopes::Slope;
+use crate::judge::axis_findings::AxisFindings;
+use crate::judge::found_effect::FoundEffect;
+use crate::judge::tool_slopes::Slope;
 use model::effects::{Effect, LEAST_SLOPE_UM_PER_M, SlopeOf, Stage};
 
-/// Separates squareness and angle in the results of a machine with two axes.
-pub fn separate(trace: &mut Trace) {
-    let min_size = trace.options.search.min_size;
-    let [first, second] = &mut trace.axes[..] else { return };
+/// The findings with squareness and angle separated, of a machine with two axes.
+#[must_use]
+pub fn separated(mut axes: Vec<AxisFindings>, min_size: f64) -> Vec<AxisFindings> {
+    if let [first, second] = &mut axes[..] {
+        separate(first, second, min_size);
+    }
+    axes
+}
+
+fn separate(first: &mut AxisFindings, second: &AxisFindings, min_size: f64) {
     let sum = first.found.iter().position(|found| found.effect.slope() == Some(SlopeOf::Axes));
     let turn = second.found.iter().find(|found| found.effect.slope() == Some(SlopeOf::ProbeAngle));
     let angle = turn.and_then(Slope::of_found);
@@ -50,7 +56,7 @@ pub fn separate(trace: &mut Trace) {
 }
 
 /// The result whose stage and residuals those of squareness and angle are: both together have the effect of their sum.
-fn template(axis: &AxisTrace, sum: Option<usize>) -> Option<FoundEffect> {
+fn template(axis: &AxisFindings, sum: Option<usize>) -> Option<FoundEffect> {
     if let Some(index) = sum {
         return Some(axis.found[index].clone());
     }
@@ -61,7 +67,7 @@ fn template(axis: &AxisTrace, sum: Option<usize>) -> Option<FoundEffect> {
 
 /// Puts squareness and angle in the place of their sum.
 fn put(
-    axis: &mut AxisTrace,
+    axis: &mut AxisFindings,
     sum: Option<usize>,
     template: &FoundEffect,
     squareness: Option<Slope>,

@@ -6,7 +6,7 @@
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
 use crate::fit::scope::Scope;
-use crate::validation::found_effect::FoundEffect;
+use crate::judge::found_effect::FoundEffect;
 use model::axis::Settings;
 use model::effects::{Effect, Stage, harmonic};
 

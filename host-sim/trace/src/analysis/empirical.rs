@@ -3,8 +3,6 @@
 //! A table is not a physical model: it is valid only for similar motions. It is accepted if the table computed from two thirds
 //! of the logs lowers the residual of the remaining third, for each third.
 
-use serde::Serialize;
-
 use super::variable::{Variable, values};
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
 use crate::fit::normal_equations::FOLDS;
@@ -15,10 +13,9 @@ use model::residual_table::{ResidualTable, TableChannel, between};
 const POINTS: usize = 32;
 
 /// An unexplained residual as a function of a variable.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Empirical {
     /// Stage.
-    #[serde(rename = "channel")]
     pub stage: Stage,
     /// Axis.
     pub axis: String,
@@ -27,7 +24,6 @@ pub struct Empirical {
     /// Variable and residual (µm or N), sorted by the variable; linear in between.
     pub table: Vec<[f64; 2]>,
     /// Whether the table is part of the model: it also lowers the residual of the validation logs.
-    #[serde(skip)]
     pub is_confirmed: bool,
     /// Rms without the table, µm or N.
     pub before: FitAndValidationRms,

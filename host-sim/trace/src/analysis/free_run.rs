@@ -4,8 +4,6 @@
 //! motor is the double integral of the force error divided by the mass. As it grows without bound, the simulation is
 //! restarted at regular intervals.
 
-use serde::Serialize;
-
 use crate::input::signals::AxisSignals;
 use crate::prediction::initial_state::steady_motion;
 use model::effects::{Channel, Effect, Timing};
@@ -18,7 +16,7 @@ use plant::parameters::AxisParameters;
 const DURATIONS_S: [f64; 4] = [0.1, 0.5, 2.0, 6.0];
 
 /// Position error of free runs of one length.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct FreeRun {
     /// Axis.
     pub axis: String,
@@ -27,10 +25,8 @@ pub struct FreeRun {
     /// Number of runs.
     pub runs: usize,
     /// Error of the declared model over all runs, µm or mdeg rms; written with the unit in its key.
-    #[serde(skip)]
     pub declared: f64,
     /// Error of the model with the effects found over all runs, likewise.
-    #[serde(skip)]
     pub after: f64,
 }
 

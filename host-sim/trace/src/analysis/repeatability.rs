@@ -3,27 +3,22 @@
 //! If the command is periodic, the mean of the residual over the periods is its repeatable part. The differences between the
 //! periods are noise or changes of the machine.
 
-use serde::Serialize;
-
 use crate::fit::fit_data::{FitData, ResidualSeries};
 use crate::options::AnalysisOptions;
 use model::effects::Stage;
 
 /// The repeatable and the non-repeatable part of a stage's residual.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Repeatability {
     /// Stage.
-    #[serde(rename = "channel")]
     pub stage: Stage,
     /// Axis.
     pub axis: String,
     /// Period of the command, s.
     pub period_s: f64,
     /// Rms of the mean over the periods, in the unit of the residual; its JSON key contains the unit.
-    #[serde(skip)]
     pub repeatable: f64,
     /// Rms of the difference of one period from that mean.
-    #[serde(skip)]
     pub non_repeatable: f64,
 }
 

@@ -1,38 +1,32 @@
 //! The remaining residual, and the physical variable that explains most of it.
 
-use numerics::spectrum::PowerSpectrum;
-use serde::Serialize;
-
 use super::binned_mean::BinnedMean;
 use super::fitted_bump::fitted_bump;
 use super::variable::Variable;
 use crate::fit::exclusion::{ExcludedPart, Exclusion};
 use crate::fit::fit_data::{FitData, ResidualSeries};
 use model::effects::Stage;
+use numerics::spectrum::PowerSpectrum;
 
 /// Number of bins on each side of a spectral peak that belong to it, in a log as long as the transform.
 const PEAK_HALF_BINS: usize = 2;
 
 /// The unexplained residual of one stage.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct UnexplainedResidual {
     /// Stage.
-    #[serde(rename = "channel")]
     pub stage: Stage,
     /// Axis.
     pub axis: String,
     /// Rms on the fit logs, in the unit of the stage's residual; its JSON key contains the unit.
-    #[serde(skip)]
     pub rms: f64,
     /// Fraction of the mean square that the variable explains, percent.
     pub share_percent: f64,
     /// The variable that explains most.
     pub variable: Variable,
     /// Frequency of the vibration, if the variable is `time`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub frequency_hz: Option<f64>,
     /// Position of the largest residual, if the variable is `position`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub centre_mm: Option<f64>,
 }
 

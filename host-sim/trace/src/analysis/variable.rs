@@ -1,5 +1,6 @@
 //! Physical variables that a residual may depend on.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::fit::fit_data::FitData;
@@ -7,7 +8,7 @@ use crate::prediction::table_variable;
 use model::residual_table::TableVariable;
 
 /// A physical variable that a residual may depend on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Variable {
     /// Time: a vibration at a constant frequency.

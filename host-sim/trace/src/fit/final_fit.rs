@@ -5,7 +5,8 @@ use super::axis_model::AxisModel;
 use super::fit_data::{FitData, ResidualSeries};
 use super::model_bias::{self, log_rms};
 use super::scope::{Mechanics, Scope};
-use super::scope_fit::{Progress, ScopeFit, fit_again};
+use super::scope_fit::{ScopeFit, fit_again};
+use crate::task::Progress;
 
 /// Largest number of fits. Each fit subtracts the error of the previous model. One fit suffices if the error hardly depends
 /// on the model. With backlash, where the error depends on the instants at which the gap closes, four or five are needed.

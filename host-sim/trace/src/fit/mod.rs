@@ -1,4 +1,6 @@
-//! The fit of a model's parameters to the residuals of its stages.
+//! Step 3, the fit: [`fit()`] takes the data of an axis, and returns its declared model fitted within its tolerance.
+//!
+//! What later steps fit with is here, too:
 //!
 //! - [`scope`]: stages that are fitted together
 //! - [`axis_model`], [`held_effects`], [`trim`], [`limits`]: free parameters, those that are not fitted, those of timing, and
@@ -8,11 +10,15 @@
 //! - [`fitted_scope`], [`tables`]: what a fit to whole logs needs; tables of residuals
 //! - [`scope_fit`], [`final_fit`], [`model_bias`]: fits scope by scope, and with the error of the simulation subtracted
 
+pub mod axis_data;
 pub mod axis_model;
+pub mod baseline;
 pub mod bump_subtraction;
+pub mod declared_machine;
 pub mod exclusion;
 pub mod final_fit;
 pub mod fit_data;
+pub mod fitted_axis;
 pub mod fitted_scope;
 pub mod held_effects;
 pub mod intervals;
@@ -31,3 +37,5 @@ pub mod total_mass;
 pub mod trim;
 pub mod unknown_friction;
 pub mod upstream;
+
+pub use baseline::{Baseline, fit};

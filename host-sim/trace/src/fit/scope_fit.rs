@@ -7,10 +7,8 @@ use super::least_squares::{self, Fitted};
 use super::scope::{Mechanics, Scope};
 use super::total_mass;
 use crate::stages::stage_names;
+use crate::task::Progress;
 use model::effects::Stage;
-
-/// Called with a message for each step of the trace, from several threads.
-pub type Progress<'a> = dyn Fn(&str) + Sync + 'a;
 
 /// The fit of one scope.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 //!
 //! A log that is too long for a search is divided into sections. Effects are searched for in one stretch of each section,
 //! that with the most motion; all stretches have the same length, so that their blocks have the same weight. The whole log is
-//! evaluated piece by piece, see [`crate::whole`]. A piece begins with a lead-in that is simulated but not evaluated.
+//! evaluated piece by piece, see [`crate::judge::whole`]. A piece begins with a lead-in that is simulated but not evaluated.
 
 use std::borrow::Cow;
 use std::ops::Range;

@@ -36,13 +36,13 @@ mod tests {
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
-    use crate::{Trace, trace};
+    use crate::{Identification, trace};
     use files::log::{AxisLog, Log, Unit};
     use model::machine::Machine;
 
     /// The trace of a robot's axis, 20 s at 250 Hz, that oscillates over ±20° against gravity and 2 N·m of motor friction. The
     /// load side is read 3 ms late and lags by `windup_mdeg`(torque, direction).
-    fn traced(seed: u64, windup_mdeg: impl Fn(f64, f64) -> f64) -> Trace {
+    fn traced(seed: u64, windup_mdeg: impl Fn(f64, f64) -> f64) -> Identification {
         let machine = Machine::parse("name = \"r\"\nsample_rate_hz = 250.0\n[axis.a]\n", "r.toml").unwrap();
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut noise = || numerics::noise::sum_of_uniforms(&mut random);
@@ -65,8 +65,8 @@ mod tests {
         trace(&machine, &[log], &[], &|_| {}).unwrap()
     }
 
-    fn names(trace: &Trace) -> Vec<&'static str> {
-        trace.axes[0].found.iter().map(|found| found.effect.name()).collect()
+    fn names(trace: &Identification) -> Vec<&'static str> {
+        trace.axes()[0].found.iter().map(|found| found.effect.name()).collect()
     }
 
     #[test]
@@ -75,7 +75,7 @@ mod tests {
             // Stiffness 0.5 N·m/mdeg, friction before the gear 1.5 N·m.
             let trace = traced(seed, |torque, direction| (torque - 1.5 * direction) / 0.5);
             assert_eq!(names(&trace), ["latency", "windup"], "{seed}");
-            let windup = &trace.axes[0].found[1];
+            let windup = &trace.axes()[0].found[1];
             let near = |i: usize, truth: f64| {
                 let error = (windup.effect.parameters()[i].1 - truth).abs();
                 // The tracer delays the motion by 3 ms but not the wind-up. At each reversal, the jump of the wind-up by

@@ -1,10 +1,9 @@
 //! Effects that the logs do not distinguish.
 //!
 //! If another candidate explains the residual as well as the one that was added, both are reported, with the motion that
-//! distinguishes them best ([`super::distinguishing_motion`]).
+//! distinguishes them best ([`crate::result::distinguishing_motion`]).
 
 use super::candidates::Candidate;
-use super::distinguishing_motion::Proposal;
 use super::held_out::{Comparison, compare, scores};
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
@@ -21,8 +20,6 @@ pub struct Ambiguity {
     pub rival: Effect,
     /// The model with the rival in place of the added effect.
     pub with_rival: AxisModel,
-    /// A motion that distinguishes both; `None` if the machine file does not suffice to simulate it.
-    pub proposal: Option<Proposal>,
 }
 
 /// The candidates that are, in every stage, not significantly worse than the added one, or worse by less than the minimum reduction
@@ -46,7 +43,6 @@ pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope:
             added: added.effect.clone(),
             rival: rival.effect.clone(),
             with_rival: rival.fitted.as_ref()?.model.clone(),
-            proposal: None,
         })
     };
     candidates.iter().filter(is_rival).filter_map(ambiguity).collect()

@@ -15,6 +15,7 @@ use super::refinement::refined;
 use super::round::Round;
 use crate::analysis::residual_analysis::unexplained;
 use crate::analysis::variable::Variable;
+use crate::dropped::{Dropped, Reason};
 use crate::fit::axis_model::AxisModel;
 use crate::fit::exclusion::{ExcludedPart, Exclusion};
 use crate::fit::fit_data::{FitData, ResidualSeries};
@@ -22,8 +23,9 @@ use crate::fit::intervals::{covariance, half_widths, has_unknown_shape, may_be_z
 use crate::fit::least_squares::{self, Fitted};
 use crate::fit::model_bias::{self, first_fit};
 use crate::fit::scope::{Mechanics, Scope};
-use crate::fit::scope_fit::{Progress, ScopeFit};
+use crate::fit::scope_fit::ScopeFit;
 use crate::stages::stage_names;
+use crate::task::Progress;
 use model::effects::{Effect, Stage};
 
 /// The search for effects that the model of an axis lacks.
@@ -60,7 +62,7 @@ impl EffectSearch<'_> {
         let data = FitData { exclusions: &bounded.exclusions, ..*self.data };
         let unbounded = bounded.fitted.model.without_bounds();
         let unbounded = least_squares::fit(&data, &unbounded, scope, least_squares::STEPS);
-        bounded.fitted = without_idle(&data, unbounded, scope);
+        bounded.fitted = self.without_idle(&data, unbounded, scope);
         let left = |fit: &ScopeFit| {
             left_by(&FitData { exclusions: &fit.exclusions, ..*self.data }, &fit.fitted, scope)
         };
@@ -218,7 +220,8 @@ impl EffectSearch<'_> {
         let stages = scope.stages.clone();
         // Of earlier rounds only the effects and their comparisons are needed.
         self.rounds.iter_mut().for_each(Round::forget_data);
-        self.rounds.push(Round { stages, candidates, added, ambiguities, options: data.options.search });
+        let (dropped, options) = (Vec::new(), data.options.search);
+        self.rounds.push(Round { stages, candidates, added, ambiguities, dropped, options });
         best.map(|(_, fitted)| fitted)
     }
 
@@ -271,14 +274,15 @@ impl EffectSearch<'_> {
     }
 
     /// Drops effects that are small compared with the excluded parts: they describe remnants of these.
-    fn drop_remains_of_exclusions(&self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
+    fn drop_remains_of_exclusions(&mut self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
         let min_effect = data.options.exclusion.min_effect;
-        let whole = self.data.residuals(&full.model, scope);
+        let with_excluded = self.data;
+        let whole = with_excluded.residuals(&full.model, scope);
         let is_large = |without: &Fitted, with: &Fitted, stage: Stage| {
             let [before, after] = [without, with].map(|fit| data.rms(&fit.residuals, stage).powi(2));
-            before - after > min_effect * self.data.rms(&whole, stage).powi(2)
+            before - after > min_effect * with_excluded.rms(&whole, stage).powi(2)
         };
-        dropping(full, scope, |full, index| {
+        self.dropping(full, scope, Reason::RemnantOfExclusion, |full, index| {
             let without = least_squares::fit_without(data, full, scope, index);
             let stages = &mut scope.stages.iter();
             (!stages.any(|&stage| is_large(&without, full, stage))).then_some(without)
@@ -287,24 +291,21 @@ impl EffectSearch<'_> {
 
     /// Drops effects whose size or shape is too uncertain, see [`may_be_zero`], [`has_unknown_shape`] and
     /// [`is_remainder`].
-    fn drop_uncertain(&self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
-        dropping(full, scope, |full, index| {
+    fn drop_uncertain(&mut self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
+        self.dropping(full, scope, Reason::Uncertain, |full, index| {
             let effect = &full.model.found()[index];
             let half = half_widths(effect, &covariance(data, full), full.model.indices_of(scope, index));
             let is_uncertain = may_be_zero(effect, &half, &data.options.search)
                 || has_unknown_shape(effect, &half)
                 || is_remainder(effect, full.model.found());
-            is_uncertain.then(|| {
-                (self.progress)(&format!("{}: {} is too uncertain", data.name(), effect.name()));
-                least_squares::fit_without(data, full, scope, index)
-            })
+            is_uncertain.then(|| least_squares::fit_without(data, full, scope, index))
         })
     }
 
     /// Drops effects that later ones made unnecessary.
-    fn drop_unnecessary(&self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
+    fn drop_unnecessary(&mut self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
         let options = &data.options.search;
-        dropping(full, scope, |full, index| {
+        self.dropping(full, scope, Reason::NotNeeded, |full, index| {
             let effect = full.model.found()[index].clone();
             if is_companion(&effect, full.model.found()) {
                 return None;
@@ -316,47 +317,46 @@ impl EffectSearch<'_> {
                 Candidate { effect, comparison, gain, fitted: None, exceeds_tolerance: true, limit: None };
             let is_alone = scope.stages == [Stage::Force];
             let is_needed = judged.is_needed(options) || is_alone && judged.is_consistent(options);
-            (!is_needed).then(|| {
-                (self.progress)(&format!("{}: {} is no longer needed", data.name(), judged.effect.name()));
-                without
-            })
+            (!is_needed).then_some(without)
         })
+    }
+
+    /// A fit without the effects without which it leaves as little: they made up for values that were bounded.
+    fn without_idle(&mut self, data: &FitData<'_>, fitted: Fitted, scope: &Scope) -> Fitted {
+        self.dropping(fitted, scope, Reason::MadeUpForBound, |fitted, index| {
+            let without = least_squares::fit(data, &fitted.model.without(index), scope, least_squares::STEPS);
+            let loss = left_by(data, &without, scope) - left_by(data, fitted, scope);
+            (loss < data.options.search.min_gain()).then_some(without)
+        })
+    }
+
+    /// Drops each effect of a scope for which `better` returns a fit without it.
+    fn dropping(
+        &mut self,
+        mut full: Fitted,
+        scope: &Scope,
+        reason: Reason,
+        better: impl Fn(&Fitted, usize) -> Option<Fitted>,
+    ) -> Fitted {
+        let mut index = 0;
+        while let Some(effect) = full.model.found().get(index) {
+            let Some(without) = scope.holds(effect).then(|| better(&full, index)).flatten() else {
+                index += 1;
+                continue;
+            };
+            let dropped = Dropped::new(effect, reason, self.data.name(), self.progress);
+            if let Some(round) = self.rounds.last_mut() {
+                round.dropped.push(dropped);
+            }
+            full = without;
+        }
+        full
     }
 }
 
 /// Sum over the stages of a scope of the logarithm of what a fit leaves.
 fn left_by(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> f64 {
     model_bias::log_rms(data, &data.residuals(&fitted.model, scope), scope)
-}
-
-/// A fit without the effects without which it leaves as little: they made up for values that were bounded.
-fn without_idle(data: &FitData<'_>, mut fitted: Fitted, scope: &Scope) -> Fitted {
-    let mut index = 0;
-    while let Some(effect) = fitted.model.found().get(index) {
-        let is_of_scope = scope.holds(effect);
-        let without = || {
-            let without = least_squares::fit(data, &fitted.model.without(index), scope, least_squares::STEPS);
-            let loss = left_by(data, &without, scope) - left_by(data, &fitted, scope);
-            (loss < data.options.search.min_gain()).then_some(without)
-        };
-        match is_of_scope.then(without).flatten() {
-            Some(without) => fitted = without,
-            None => index += 1,
-        }
-    }
-    fitted
-}
-
-/// Drops each effect of a scope for which `better` returns a fit without it.
-fn dropping(mut full: Fitted, scope: &Scope, better: impl Fn(&Fitted, usize) -> Option<Fitted>) -> Fitted {
-    let mut index = 0;
-    while let Some(effect) = full.model.found().get(index) {
-        match scope.holds(effect).then(|| better(&full, index)).flatten() {
-            Some(without) => full = without,
-            None => index += 1,
-        }
-    }
-    full
 }
 
 /// Fits again with the tracer's own error recomputed from the fitted model, if this lowers the residuals. Returns the fit

@@ -1,18 +1,18 @@
-//! The search for effects that a model lacks.
+//! Step 4, the search: [`search`] takes the baseline of an axis, and returns the [`hypotheses`] that its fit logs support.
 //!
 //! [`effect_search`] adds one effect per [`round`]. The [`residual_shape`] gives the knots of maps and the periods of
 //! harmonics with which candidates start. A round ranks the [`candidates`], compares them on [`held_out`] data and
 //! with the closed loop ([`loop_check`]), adds one [`provisional`]ly where several hide each other, and reports an
-//! [`ambiguity`] with a [`distinguishing_motion`]. Effects that the fit of the mechanics hides are an [`assumption`].
+//! [`ambiguity`]. Effects that the fit of the mechanics hides are an [`assumption`].
 
 pub mod alternatives;
 pub mod ambiguity;
 pub mod assumption;
 pub mod candidates;
 pub mod companion;
-pub mod distinguishing_motion;
 pub mod effect_search;
 pub mod held_out;
+pub mod hypotheses;
 pub mod local_defect;
 pub mod loop_check;
 pub mod mass_check;
@@ -24,3 +24,5 @@ pub mod residual_samples;
 pub mod residual_shape;
 pub mod round;
 pub mod several_of_kind;
+
+pub use hypotheses::{Hypotheses, search};

@@ -2,6 +2,7 @@
 
 use super::ambiguity::Ambiguity;
 use super::candidates::Candidate;
+use crate::dropped::Dropped;
 use crate::fit::least_squares::Fitted;
 use crate::fit::limits::ParameterAtLimit;
 use crate::options::SearchOptions;
@@ -18,6 +19,8 @@ pub struct Round {
     pub added: Option<usize>,
     /// Candidates that explain the residual as well as the added one.
     pub ambiguities: Vec<Ambiguity>,
+    /// Effects that were dropped after this round.
+    pub dropped: Vec<Dropped>,
     /// The thresholds of the search.
     pub options: SearchOptions,
 }

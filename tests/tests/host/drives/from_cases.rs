@@ -26,7 +26,7 @@ fn the_sparse_cases_are_explained_without_a_sure_false_name() {
         let named = |axis: &str, name: &str| {
             traced
                 .trace
-                .axes
+                .axes()
                 .iter()
                 .filter(|one| one.axis == axis)
                 .flat_map(|one| &one.found)
@@ -36,7 +36,7 @@ fn the_sparse_cases_are_explained_without_a_sure_false_name() {
             let [axis, name] = ["axis", "name"].map(|key| effect[key].as_str().unwrap());
             assert!(named(axis, name), "{case}: {name} on {axis}");
         }
-        for (axis, lost_um) in traced.trace.axes.iter().zip(truth["lost_motion_um"].as_array().unwrap()) {
+        for (axis, lost_um) in traced.trace.axes().iter().zip(truth["lost_motion_um"].as_array().unwrap()) {
             for found in &axis.found {
                 let mut names = found.rival_names();
                 names.push(found.effect.name());

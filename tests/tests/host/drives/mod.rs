@@ -13,8 +13,8 @@ use files::log::{AxisLog, Log, Unit};
 use model::machine::Machine;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use trace::Trace;
-use trace::validation::found_effect::FoundEffect;
+use trace::Identification;
+use trace::judge::found_effect::FoundEffect;
 
 /// Sample time of all logs, s.
 const SAMPLE_S: f64 = 1e-3;
@@ -88,11 +88,11 @@ fn machine(keys: &str) -> Machine {
 }
 
 /// The effect of this name, and the half width of its first parameter.
-fn found<'a>(trace: &'a Trace, name: &str) -> Option<(&'a FoundEffect, f64, f64)> {
-    let found = trace.axes[0].found.iter().find(|found| found.effect.name() == name)?;
+fn found<'a>(trace: &'a Identification, name: &str) -> Option<(&'a FoundEffect, f64, f64)> {
+    let found = trace.axes()[0].found.iter().find(|found| found.effect.name() == name)?;
     Some((found, found.effect.values()[0], found.half_widths[0]))
 }
 
-fn names(trace: &Trace) -> Vec<&'static str> {
-    trace.axes[0].found.iter().map(|found| found.effect.name()).collect()
+fn names(trace: &Identification) -> Vec<&'static str> {
+    trace.axes()[0].found.iter().map(|found| found.effect.name()).collect()
 }

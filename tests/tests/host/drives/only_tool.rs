@@ -1,7 +1,7 @@
 //! Machines with a probe at the tool and no linear scale.
 
 use super::{Command, SAMPLE_S, Simulated, behind_gap, found, log, machine, stepping, swinging};
-use trace::{Trace, trace};
+use trace::{Identification, trace};
 
 /// A motor that follows its command, and a tool behind a gap (mm) and a screw with a relative error of its lead and a periodic error (mm)
 /// with the lead of 10 mm. The tool is in the place of the table.
@@ -12,7 +12,7 @@ fn simulated(command: Command, seconds: u32, [gap, slope, periodic]: [f64; 3]) -
     Simulated { motor: command.clone(), command, table }
 }
 
-fn traced(truth: [f64; 3], seed: u64) -> Trace {
+fn traced(truth: [f64; 3], seed: u64) -> Identification {
     let probed = |name: &str, seed, command, seconds| {
         let mut log = log(name, seed, simulated(command, seconds, truth), true);
         log.axes[0].tool = log.axes[0].table.take();

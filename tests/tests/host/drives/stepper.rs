@@ -11,7 +11,7 @@ use motion::Motion;
 use plant::instruments::Instruments;
 use shared::compensate::CompensationSettings;
 use std::f64::consts::TAU;
-use trace::{Trace, trace};
+use trace::{Identification, trace};
 
 /// A motor whose field holds the rotor as a spring, and the screw behind it.
 struct Axis {
@@ -62,7 +62,7 @@ fn logs(axis: &Axis, has_encoder: bool, seed: u64) -> [Log; 3] {
     ]
 }
 
-fn traced(axis: &Axis, has_encoder: bool, seed: u64) -> Trace {
+fn traced(axis: &Axis, has_encoder: bool, seed: u64) -> Identification {
     let logs = logs(axis, has_encoder, seed);
     let machine = machine("drive = \"stepper\"\nlead_mm = 5.0\n");
     trace(&machine, &logs[..2], &logs[2..], &|_| {}).unwrap()

@@ -4,7 +4,7 @@ use super::{
     Command, SAMPLE_S, STEPS, Simulated, behind_gap, found, log, machine, names, stepping, swinging,
 };
 use files::log::Log;
-use trace::{Trace, trace};
+use trace::{Identification, trace};
 
 /// A machine that the machine file does not know.
 struct Axis {
@@ -77,7 +77,7 @@ fn logs(axis: &Axis, seed: u64) -> [Log; 3] {
     ]
 }
 
-fn traced(axis: &Axis, keys: &str, seed: u64) -> Trace {
+fn traced(axis: &Axis, keys: &str, seed: u64) -> Identification {
     let logs = logs(axis, seed);
     trace(&machine(&format!("drive = \"velocity\"\n{keys}")), &logs[..2], &logs[2..], &|_| {}).unwrap()
 }
@@ -98,7 +98,8 @@ fn a_drive_of_unknown_bandwidth_is_no_effect() {
     {
         let trace = traced(&Axis { velocity_gain_per_s, integral_s, ..AXIS }, KEYS, seed);
         assert_eq!(names(&trace), [""; 0], "{velocity_gain_per_s}");
-        let motor = trace.axes[0].residuals.iter().find(|r| r.stage == model::effects::Stage::Motor).unwrap();
+        let motor =
+            trace.axes()[0].residuals.iter().find(|r| r.stage == model::effects::Stage::Motor).unwrap();
         // The noise of the encoder, 50 nm, and what the steps of the model leave.
         assert!(motor.after.validate < 0.3, "{velocity_gain_per_s}: {} µm", motor.after.validate);
     }
@@ -128,7 +129,7 @@ fn the_terms_of_a_pid_are_part_of_the_model() {
 fn gain_and_feedforward_of_an_unknown_drive_are_rivals() {
     for (seed, gain, feedforward) in [(4, 45.0 * 1.06, 0.8), (5, 45.0, 0.77)] {
         let trace = traced(&Axis { gain_per_s: gain, feedforward, ..AXIS }, KEYS, seed);
-        let [one] = &trace.axes[0].found[..] else { panic!("{:?}", names(&trace)) };
+        let [one] = &trace.axes()[0].found[..] else { panic!("{:?}", names(&trace)) };
         let percent = one.effect.values()[0];
         let (lag_s, rival) = match one.effect.name() {
             "servo_mismatch" => (0.2 / (45.0 * (1.0 + 0.01 * percent)), "feedforward_mismatch"),
@@ -161,6 +162,6 @@ fn a_machine_file_may_hold_nothing_but_the_kind_of_drive() {
     let trace = traced(&axis, "", 7);
     let (_, width_um, half) = found(&trace, "lost_motion").unwrap();
     assert!((width_um - 8.0).abs() < half.max(0.1) && half < 0.3, "{width_um} ± {half}");
-    let needs: Vec<&str> = trace.axes[0].not_testable.iter().map(|stage| stage.needs.as_str()).collect();
+    let needs: Vec<&str> = trace.axes()[0].not_testable.iter().map(|stage| stage.needs.as_str()).collect();
     assert!(needs.iter().any(|needs| needs.contains("position_gain_per_s in the machine file")), "{needs:?}");
 }

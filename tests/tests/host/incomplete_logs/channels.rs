@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use files::log::Channel;
+use trace::judge::found_effect::FoundEffect;
 use trace::trace;
-use trace::validation::found_effect::FoundEffect;
 
 use super::case::{Case, certain};
 
@@ -17,7 +17,7 @@ fn an_effect_of_the_tool_is_found_with_force_and_without_table() {
     let [fit, validate] = &case.logs;
     let trace = trace(&case.machine(), fit, validate, &|_| {}).unwrap();
     let is_squareness = |found: &&FoundEffect| found.effect.name() == "squareness";
-    let Some(found) = trace.axes[0].found.iter().find(is_squareness) else {
+    let Some(found) = trace.axes()[0].found.iter().find(is_squareness) else {
         panic!("{:?}", trace.found_names())
     };
     let (um_per_m, half_width) = (found.effect.values()[0], found.half_widths[0]);
@@ -38,10 +38,10 @@ fn a_table_that_one_log_lacks_is_used_in_the_others() {
     // The validation logs keep theirs.
     let [fit, validate] = [&part.logs[0], &case.logs[1]];
     let trace = trace(&case.machine(), fit, validate, &|_| {}).unwrap();
-    let json = trace::json::of(&trace, false);
+    let json = trace::json::Document::of(&trace, &[], false).value();
     assert_eq!(certain(&json), case.truth, "{:#}", json["effects"]);
     let note = format!("{}: has no x table, y table", fit[lacking].source);
-    assert!(trace.notes.iter().any(|said| said.starts_with(&note)), "{:?}", trace.notes);
+    assert!(trace.notes().iter().any(|said| said.starts_with(&note)), "{:?}", trace.notes());
     // 0.15 µm of interval in the case with all channels; two of three logs have √1.5 times that.
     let width = &json["effects"][0]["parameters"]["width_um"];
     assert!((width["value"].as_f64().unwrap() - 10.3646).abs() < 0.2, "{width}");
@@ -55,10 +55,10 @@ fn the_tool_of_a_log_without_table_is_not_used_beside_others() {
     let trace = trace(&case.machine(), fit, validate, &|_| {}).unwrap();
     let unused = |log: &files::log::Log| {
         let note = format!("{}: x tool is not used, as there is no x table to predict it from.", log.source);
-        trace.notes.contains(&note)
+        trace.notes().contains(&note)
     };
-    assert!(fit.len() > 1 && unused(&fit[0]) && validate.iter().all(unused), "{:?}", trace.notes);
-    assert!(!unused(&fit[1]), "{:?}", trace.notes);
+    assert!(fit.len() > 1 && unused(&fit[0]) && validate.iter().all(unused), "{:?}", trace.notes());
+    assert!(!unused(&fit[1]), "{:?}", trace.notes());
     let found: BTreeSet<_> = trace.found_names().into_iter().collect();
     assert!(found.contains("y: latency"), "{found:?}");
 }

@@ -3,7 +3,7 @@
 use files::log::{Channel, Log};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trace::data_faults::FaultKind;
+use trace::repair::FaultKind;
 use trace::trace;
 
 use super::case::Case;
@@ -69,13 +69,13 @@ fn effects_are_found_beside_lost_rows() {
         }
         let [fit, validate] = &case.logs;
         let trace = trace(&case.machine(), fit, validate, &|_| {}).unwrap();
-        let found = trace.axes.iter().flat_map(|axis| {
+        let found = trace.axes().iter().flat_map(|axis| {
             axis.found.iter().map(|found| (axis.axis.clone(), found.effect.name().to_owned()))
         });
         let found: std::collections::BTreeSet<_> = found.collect();
         assert!(case.truth.is_subset(&found), "{name}: {found:?}");
         for (axis, log) in
-            trace.axes.iter().flat_map(|axis| fit.iter().chain(validate).map(move |log| (axis, log)))
+            trace.axes().iter().flat_map(|axis| fit.iter().chain(validate).map(move |log| (axis, log)))
         {
             let lost: usize = axis
                 .data_faults

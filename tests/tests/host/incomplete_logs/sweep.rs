@@ -182,7 +182,7 @@ fn fault(case: &Case, variant: &Variant, detection: &mut Detection) -> Option<St
         Ok(Err(error)) => return in_one_line(&error.to_string()),
         Ok(Ok(traced)) => traced,
     };
-    let json = trace::json::of(&traced, false);
+    let json = trace::json::Document::of(&traced, &[], false).value();
     let text = sentences::summary(&traced).join("\n");
     if text.contains("NaN") || text.contains("inf ") {
         return Some(format!("no numbers: {text}"));

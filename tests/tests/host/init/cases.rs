@@ -25,12 +25,12 @@ fn nameplate(declared: &Machine) -> Machine {
 /// are within 1 % of it, the rate of the velocity loop, the law and the feedback are the true ones.
 fn is_as_good_as_declared(folder: &Path) {
     let Traced { fit, validate, trace: declared } = &*traces::of_case(folder);
-    let initial = initial(&nameplate(&declared.machine), fit);
-    assert_eq!(initial.machine.rates(), declared.machine.rates(), "{}", folder.display());
+    let initial = initial(&nameplate(declared.machine()), fit);
+    assert_eq!(initial.machine.rates(), declared.machine().rates(), "{}", folder.display());
     // Where the case has an undeclared deviation of the setting, the estimated one is the true one.
-    let mut found = declared.axes.iter().flat_map(|axis| &axis.found);
+    let mut found = declared.axes().iter().flat_map(|axis| &axis.found);
     let has_own_gain = found.any(|found| found.effect.name() == "servo_mismatch");
-    for (name, axis) in &declared.machine.axis {
+    for (name, axis) in &declared.machine().axis {
         let own = &initial.machine.axis[name].settings;
         assert_eq!(own.controller.law, axis.settings.controller.law);
         assert_eq!(own.sensors.feedback, axis.settings.sensors.feedback, "{} {name}", folder.display());

@@ -21,8 +21,8 @@ fn the_gains_of_a_velocity_drive() {
     let tolerance = 0.01 * tolerances.position_gain_per_s.unwrap();
     assert!((45.0 / gain - 1.0).abs() < tolerance, "{gain} ± {tolerance}");
     let trace = trace(&initial.machine, &logs[..2], &logs[2..], &|_| {}).unwrap();
-    assert!(trace.axes[0].found.is_empty(), "{:?}", trace.found_names());
-    let motor = trace.axes[0].residual(Stage::Motor).unwrap();
+    assert!(trace.axes()[0].found.is_empty(), "{:?}", trace.found_names());
+    let motor = trace.axes()[0].residual(Stage::Motor).unwrap();
     // With the true gains: the noise of the encoder, 50 nm, and what the steps of the model leave, see `drives::velocity`.
     assert!((0.03..0.3).contains(&motor.after.validate), "{} µm", motor.after.validate);
 }

@@ -9,7 +9,7 @@ use model::effects::Stage;
 use model::machine::Machine;
 use std::path::Path;
 use tests::data::data_folder;
-use trace::{Trace, trace};
+use trace::{Identification, trace};
 
 /// Nothing is known. Published: Kp 160.18 1/s, Kv 8557 N·s/m, mass 95.1 kg, Coulomb friction 20.4 N, viscous friction 203.5 N·s/m (Janot,
 /// Gautier and Brunot, 2019), with a velocity from a mean of two samples, which our loop has as an effect: Kv is 2 % apart.
@@ -77,7 +77,7 @@ fn a_motor_in_radians() {
     let inertia_g_m2 = 1e3 * settings.mechanics.table_mass_kg.unwrap() / unit;
     assert!((0.10..0.16).contains(&inertia_g_m2), "{inertia_g_m2}");
     let estimated = trace(&initial.machine, logs, &[], &|_| {}).unwrap();
-    let force = |trace: &Trace| trace.axes[0].residual(Stage::Force).unwrap().after.validate;
+    let force = |trace: &Identification| trace.axes()[0].residual(Stage::Force).unwrap().after.validate;
     let [own, catalogue] = [&estimated, &declared].map(force);
     assert!((0.0..1.1 * catalogue).contains(&own), "{own} N·m, catalogue {catalogue}");
 }

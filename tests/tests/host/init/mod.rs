@@ -7,7 +7,7 @@ mod measured;
 use files::log::Log;
 use init::Initial;
 use model::machine::Machine;
-use trace::Trace;
+use trace::Identification;
 
 /// The machine file of logs of a machine of which this much is known.
 fn initial(known: &Machine, logs: &[Log]) -> Initial {
@@ -20,8 +20,8 @@ fn initial(known: &Machine, logs: &[Log]) -> Initial {
 
 /// Asserts that a trace with an estimated file leaves at most 10 % more of each stage, on data not used in the fit, than one with the
 /// true file. It cannot leave much less than the noise either.
-fn leaves_no_more(name: &str, estimated: &Trace, declared: &Trace) {
-    for (own, declared) in estimated.axes.iter().zip(&declared.axes) {
+fn leaves_no_more(name: &str, estimated: &Identification, declared: &Identification) {
+    for (own, declared) in estimated.axes().iter().zip(declared.axes()) {
         assert_eq!(own.axis, declared.axis);
         for residual in &declared.residuals {
             let after = own.residual(residual.stage).unwrap().after.validate;

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use files::log::{Channel, Log};
 use model::effects::Stage;
-use trace::Trace;
-use trace::data_faults::FaultKind;
+use trace::Identification;
+use trace::repair::FaultKind;
 
 use super::machine::TestMachine;
 use super::reported::{assert_named, context};
@@ -15,8 +15,8 @@ fn scaled(log: &mut Log, axis: usize, channel: Channel, factor: f64) {
 }
 
 /// Axis, channel and kind of the faults, without those that repeat them in other logs.
-fn faults(trace: &Trace) -> BTreeSet<(&str, Option<&str>, FaultKind)> {
-    let faults = trace.axes.iter().flat_map(|axis| &axis.data_faults);
+fn faults(trace: &Identification) -> BTreeSet<(&str, Option<&str>, FaultKind)> {
+    let faults = trace.axes().iter().flat_map(|axis| &axis.data_faults);
     faults.map(|fault| (fault.axis.as_str(), fault.channel.map(Channel::word), fault.kind)).collect()
 }
 
@@ -29,7 +29,7 @@ fn a_reversed_force_is_a_fault_and_not_a_friction() {
     assert_named(&reversed, &[]);
     // The corrected log is that of the sound machine, to the last bit.
     let sound = machine.trace();
-    let values = |trace: &Trace| trace.axes[0].declared_values.clone();
+    let values = |trace: &Identification| trace.axes()[0].declared_values.clone();
     assert_eq!(values(&reversed), values(&sound));
     assert!(values(&reversed).iter().all(|value| !value.is_beyond_tolerance), "{}", context(&reversed));
 }
@@ -55,12 +55,12 @@ fn a_wrong_unit_or_sign_and_a_dead_force_are_named_and_no_effect() {
     assert_named(&trace, &[]);
     // The corrected logs are those of the sound machine: the residuals of all stages are the noise. Without the force, the
     // friction is less well known.
-    for error in trace.axes.iter().flat_map(|axis| &axis.residuals) {
+    for error in trace.axes().iter().flat_map(|axis| &axis.residuals) {
         let [fit, validate] = [error.after.fit, error.after.validate].map(|rms| rms / error.noise);
         assert!((0.9..1.4).contains(&fit) && (0.9..1.4).contains(&validate), "{error:?}");
     }
     let stages =
-        |axis: usize| trace.axes[axis].residuals.iter().map(|error| error.stage).collect::<BTreeSet<_>>();
+        |axis: usize| trace.axes()[axis].residuals.iter().map(|error| error.stage).collect::<BTreeSet<_>>();
     let all = BTreeSet::from([Stage::Force, Stage::Table, Stage::Motor, Stage::Tool]);
     assert_eq!(stages(0), all);
     assert_eq!(&all - &stages(1), [Stage::Force].into());
@@ -74,9 +74,9 @@ fn no_effect_is_certain_beside_a_gross_residual() {
     });
     let wander_mm = |i: usize| 0.3 * (1.0e-3 * i as f64).sin() * (1.7e-3 * i as f64).sin();
     let certainty = |change: &dyn Fn(&mut Log)| {
-        let json = trace::json::effects(&machine.trace_of(change));
-        let stribeck =
-            json.iter().find(|effect| effect["name"] == "stribeck" && effect["axis"] == "x").unwrap();
+        let json = serde_json::json!(trace::json::effects(&machine.trace_of(change)));
+        let mut effects = json.as_array().unwrap().iter();
+        let stribeck = effects.find(|effect| effect["name"] == "stribeck" && effect["axis"] == "x").unwrap();
         stribeck["certainty"].clone()
     };
     assert_eq!(certainty(&|_| {}), "certain");

@@ -1,6 +1,6 @@
 //! A setting of the controller that is not as declared.
 
-use trace::Trace;
+use trace::Identification;
 use trace::verdict::{self, Verdict};
 
 use super::machine::TestMachine;
@@ -15,7 +15,7 @@ const HPC: u64 = 7;
 const MAX_ERROR: f64 = 0.01;
 
 /// Asserts the percent of an effect that has only this parameter.
-fn assert_percent(trace: &Trace, axis: usize, name: &str, truth: f64) {
+fn assert_percent(trace: &Identification, axis: usize, name: &str, truth: f64) {
     let found = found(trace, axis, name);
     let (value, half_width) = (found.effect.values()[0], found.half_widths[0]);
     let context = format!("{name}: {value} ± {half_width}, truth {truth}");
@@ -59,7 +59,7 @@ fn the_lag_of_a_current_loop_is_no_position_gain() {
         let [fit, validate] = demo::logs(&truth, seed).unwrap();
         let trace = trace::trace(&declared, &fit, &validate, &|_| ()).unwrap();
         assert_eq!(named(&trace), [], "{}", context(&trace));
-        for axis in &trace.axes {
+        for axis in trace.axes() {
             let motor =
                 axis.residuals.iter().find(|error| error.stage == model::effects::Stage::Motor).unwrap();
             // The noise, and what the steps of the encoder of 10 nm add to it in the loop.
@@ -81,7 +81,7 @@ fn an_effect_whose_interval_contains_zero_is_not_reported() {
     truth.axis["y"].settings.mechanics.stiffness_n_per_um = Some(174.0);
     let [fit, validate] = demo::logs(&truth, 1).unwrap();
     let trace = trace::trace(&declared, &fit, &validate, &|_| ()).unwrap();
-    for axis in &trace.axes {
+    for axis in trace.axes() {
         for found in &axis.found {
             let (size, half_width) = (found.effect.values()[0], found.half_widths[0]);
             assert!(
@@ -117,7 +117,7 @@ fn the_machine_file_of_another_machine_has_no_effects() {
         machine.drawn.declared = TestMachine::new(other).drawn.declared;
         let trace = machine.trace();
         assert_eq!(named(&trace), [], "{}", context(&trace));
-        for axis in &trace.axes {
+        for axis in trace.axes() {
             assert_eq!(verdict::of_axis(axis), Verdict::ModelDoesNotFit, "{}", context(&trace));
             assert!(axis.is_of_another_machine, "{}", context(&trace));
         }

@@ -3,7 +3,7 @@
 
 use self_test::draw;
 use self_test::plant::Mechanics;
-use trace::Trace;
+use trace::Identification;
 
 use super::machine::{TestMachine, wave_um};
 use super::reported::{HALF_WIDTHS, assert_named, assert_value, context, found};
@@ -23,11 +23,11 @@ fn truth(mechanics: &Mechanics, key: &str) -> Option<f64> {
 
 /// Asserts that the fitted values are the true ones and that those outside their tolerance are reported, and no others.
 /// Returns the number of those reported.
-fn assert_declared_values(machine: &TestMachine, trace: &Trace) -> usize {
+fn assert_declared_values(machine: &TestMachine, trace: &Identification) -> usize {
     /// Distance from the tolerance up to which a value may be reported or not, as a fraction of the declared value.
     const UNDECIDED: f64 = 0.02;
     let mut reported = 0;
-    for (axis, of_axis) in machine.drawn.axes.iter().zip(&trace.axes) {
+    for (axis, of_axis) in machine.drawn.axes.iter().zip(trace.axes()) {
         for value in &of_axis.declared_values {
             let Some(truth) = truth(&axis.mechanics, value.key) else { continue };
             let context = format!("{} {value:?}, truth {truth}\n{}", of_axis.axis, context(trace));

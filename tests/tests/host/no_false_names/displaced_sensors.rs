@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use trace::Trace;
+use trace::Identification;
 
 use super::machine::TestMachine;
 use super::probe_and_scale::mount;
@@ -23,7 +23,7 @@ fn acceleration(mm: &[f64], sample_s: f64) -> Vec<f64> {
 }
 
 /// The trace of a machine whose reading head of the axis `head` is displaced by the acceleration of the axis `by`, µm per m/s².
-fn with_displaced_head(seed: u64, [head, by]: [usize; 2], um_s2_per_m: f64) -> Trace {
+fn with_displaced_head(seed: u64, [head, by]: [usize; 2], um_s2_per_m: f64) -> Identification {
     TestMachine::new(seed).trace_of(|log| {
         let accelerations = acceleration(log.axes[by].table.as_ref().unwrap(), log.sample_time_s);
         let readings = log.axes[head].table.as_mut().unwrap();

@@ -31,9 +31,9 @@ fn an_offset_of_the_logged_force_is_not_a_load() {
         }
     });
     assert_named(&trace, &[]);
-    assert_eq!(verdict::of_axis(&trace.axes[0]), Verdict::ModelDoesNotFit, "{}", context(&trace));
-    assert!(verdict::of_axis(&trace.axes[1]) < Verdict::ModelDoesNotFit, "{}", context(&trace));
+    assert_eq!(verdict::of_axis(&trace.axes()[0]), Verdict::ModelDoesNotFit, "{}", context(&trace));
+    assert!(verdict::of_axis(&trace.axes()[1]) < Verdict::ModelDoesNotFit, "{}", context(&trace));
     // No declared value takes the place of the load: the whole offset remains, to within the friction.
-    let force = trace.axes[0].residuals.iter().find(|error| error.stage == Stage::Force).unwrap();
+    let force = trace.axes()[0].residuals.iter().find(|error| error.stage == Stage::Force).unwrap();
     assert!((force.after.validate / offset_n - 1.0).abs() < 0.1, "{force:?}");
 }

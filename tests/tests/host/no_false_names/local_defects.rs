@@ -4,7 +4,7 @@
 use model::effects::Stage;
 use self_test::case::Case;
 use self_test::kind::Kind;
-use trace::Trace;
+use trace::Identification;
 use trace::analysis::variable::Variable;
 use trace::verdict::{self, Verdict};
 
@@ -12,7 +12,7 @@ use trace::verdict::{self, Verdict};
 const SEED: u64 = 231;
 
 /// The trace of a case, checked to have found its effects and no others, and the defect near its place.
-fn checked(number: u64) -> Trace {
+fn checked(number: u64) -> Identification {
     let case = Case::draw(SEED, number).unwrap();
     let trace = trace::trace(&case.machine, &case.fit, &case.validate, &|_| ()).unwrap();
     let (outside, effects): (Vec<_>, Vec<_>) = case.truths.iter().partition(|truth| truth.is_outside());
@@ -23,7 +23,7 @@ fn checked(number: u64) -> Trace {
     found.sort();
     assert_eq!(found, expected, "case {number}");
     for defect in outside {
-        let of_axis = trace.axes.iter().find(|axis| axis.axis == defect.axis).unwrap();
+        let of_axis = trace.axes().iter().find(|axis| axis.axis == defect.axis).unwrap();
         let is_at_place = |centre_mm: f64| {
             let off_mm = (centre_mm - defect.parameter("centre_mm").unwrap()).abs();
             off_mm < defect.parameter("width_mm").unwrap().max(3.0)
@@ -75,7 +75,7 @@ fn half_a_wave_of_a_pitch_error_is_no_bump() {
         found.sort();
         assert_eq!(found, expected, "case {number}");
         // The encoders have a noise of about 0.01 µm; a map with knots leaves a little more.
-        let of_axis = trace.axes.iter().find(|axis| axis.axis == shape.axis).unwrap();
+        let of_axis = trace.axes().iter().find(|axis| axis.axis == shape.axis).unwrap();
         let table = of_axis.residuals.iter().find(|error| error.stage == Stage::Table).unwrap();
         assert!(table.after.validate < 0.05, "case {number}: {table:?}");
     }

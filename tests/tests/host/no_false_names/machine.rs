@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use self_test::draw::{self, Deviations, Drawn, Motion};
 use self_test::plant::{Mechanics, Sinusoid};
 use self_test::{motion, simulation};
-use trace::{Trace, trace};
+use trace::{Identification, trace};
 
 /// Pause between two motions of a session, s.
 const PAUSE_S: f64 = 20.0;
@@ -90,12 +90,12 @@ impl TestMachine {
     }
 
     /// The trace of its logs.
-    pub fn trace(&self) -> Trace {
+    pub fn trace(&self) -> Identification {
         self.trace_of(|_| {})
     }
 
     /// The trace of its logs, each changed.
-    pub fn trace_of(&self, change: impl FnMut(&mut Log)) -> Trace {
+    pub fn trace_of(&self, change: impl FnMut(&mut Log)) -> Identification {
         let [mut fit, mut validate] = self.logs();
         fit.iter_mut().chain(&mut validate).for_each(change);
         trace(&self.file(), &fit, &validate, &|_| {}).unwrap()

@@ -7,8 +7,8 @@ use self_test::draw;
 use self_test::kind::Kind;
 use self_test::pickup::Filter;
 use self_test::plant::Sinusoid;
-use trace::validation::declared_value::DeclaredValue;
-use trace::{Trace, trace};
+use trace::judge::declared_value::DeclaredValue;
+use trace::{Identification, trace};
 
 use super::machine::TestMachine;
 use super::reported::{assert_value, beyond_tolerance, certain, context, found, named};
@@ -71,7 +71,7 @@ fn a_stiffness_that_varies_is_said_and_has_no_certain_name() {
     let trace = machine.trace();
     let false_names = certain(&trace).into_iter().filter(|(_, name)| *name != "windup");
     assert_eq!(false_names.collect::<Vec<_>>(), [], "{}", context(&trace));
-    let [x, y] = &trace.axes[..] else { panic!("{}", context(&trace)) };
+    let [x, y] = trace.axes() else { panic!("{}", context(&trace)) };
     assert!(!x.unexplained.is_empty() && y.found.is_empty(), "{}", context(&trace));
 }
 
@@ -219,7 +219,7 @@ fn instants_that_jitter_are_no_certain_backlash() {
         let trace = machine.trace();
         assert_eq!((certain(&trace), beyond_tolerance(&trace)), (vec![], vec![]), "{}", context(&trace));
         // Nor is the machine file that of another machine.
-        assert!(!trace.axes.iter().any(|axis| axis.is_of_another_machine), "{}", context(&trace));
+        assert!(!trace.axes().iter().any(|axis| axis.is_of_another_machine), "{}", context(&trace));
     }
 }
 
@@ -235,7 +235,7 @@ fn the_steps_of_an_encoder_are_no_value_beyond_its_tolerance() {
 }
 
 /// The trace of a machine of the self-test, as it was drawn.
-fn trace_of_drawn(seed: u64, number: u64) -> Trace {
+fn trace_of_drawn(seed: u64, number: u64) -> Identification {
     let case = Case::draw_kind(Kind::Sensors, seed, number).unwrap();
     trace(&case.machine, &case.fit, &case.validate, &|_| {}).unwrap()
 }
@@ -247,7 +247,7 @@ fn a_wave_of_the_screw_beside_instants_that_jitter_is_no_certain_error_of_the_re
     let traced = trace_of_drawn(35, 14);
     assert_eq!((certain(&traced), beyond_tolerance(&traced)), (vec![], vec![]), "{}", context(&traced));
     let names = ["pitch_cyclic", "resolver_dividing"];
-    let wave = traced.axes[1].found.iter().find(|found| names.contains(&found.effect.name())).unwrap();
+    let wave = traced.axes()[1].found.iter().find(|found| names.contains(&found.effect.name())).unwrap();
     let rivals = wave.rival_names();
     let other = names.iter().find(|name| **name != wave.effect.name()).unwrap();
     assert!(rivals.contains(other), "{}", context(&traced));
@@ -265,7 +265,7 @@ fn a_value_beside_others_at_their_bounds_is_not_beyond_its_tolerance() {
         context(&traced)
     );
     assert!(
-        traced.axes[0].declared_values.iter().any(DeclaredValue::is_undetermined),
+        traced.axes()[0].declared_values.iter().any(DeclaredValue::is_undetermined),
         "{}",
         context(&traced)
     );

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use self_test::gap::CONTROLLER_KEYS;
 use self_test::plant::Mechanics;
 use trace::certainty::is_certain;
-use trace::validation::found_effect::FoundEffect;
+use trace::judge::found_effect::FoundEffect;
 
 use super::machine::{TestMachine, wave_um};
 use super::reported::{beyond_tolerance, certain, context, found, named};
@@ -66,7 +66,7 @@ fn a_backlash_beside_an_undeclared_stiffness_is_ambiguous_with_windup() {
     }
     let trace = machine.trace();
     let backlash = found(&trace, 1, "backlash");
-    assert!(!is_certain(&trace.axes[1], backlash), "{}", context(&trace));
+    assert!(!is_certain(&trace.axes()[1], backlash), "{}", context(&trace));
     assert!(backlash.rival_names().contains(&"windup"), "{}", context(&trace));
     // The backlash, and at most twice the stretch by Coulomb friction, as viscous friction and acceleration add to it.
     let Mechanics { stiffness_n_per_m, coulomb_n, .. } = machine.drawn.axes[1].mechanics;
@@ -85,7 +85,7 @@ fn a_motor_friction_that_is_not_declared_is_unknown() {
     }
     let trace = machine.trace();
     assert_eq!(named(&trace), [], "{}", context(&trace));
-    for (traced, true_axis) in trace.axes.iter().zip(&machine.drawn.axes) {
+    for (traced, true_axis) in trace.axes().iter().zip(&machine.drawn.axes) {
         let fitted_n = traced.model.axis.settings.mechanics.motor_coulomb_n.unwrap();
         let true_n = true_axis.mechanics.motor_coulomb_n;
         assert!((fitted_n / true_n - 1.0).abs() < 0.05, "{fitted_n} {true_n}");
@@ -147,7 +147,7 @@ fn without_a_table_a_wave_of_the_screw_is_no_certain_torque_ripple() {
     let machine =
         TestMachine::new(P).with_mechanics(0, |x| x.screw_waves = vec![wave_um(10.0, lead_mm, 1.0)]);
     let trace = machine.trace_of(|log| without(log, |axis| (axis.table, axis.tool) = (None, None)));
-    let ripples = trace.axes[0].found.iter().filter(|found| found.effect.name() == "torque_ripple");
+    let ripples = trace.axes()[0].found.iter().filter(|found| found.effect.name() == "torque_ripple");
     let rivals: Vec<_> = ripples.map(FoundEffect::rival_names).collect();
     assert!(!rivals.is_empty() && rivals.iter().all(|names| names.contains(&"pitch_cyclic")));
     assert_eq!(certain(&trace), [], "{}", context(&trace));

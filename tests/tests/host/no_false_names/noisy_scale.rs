@@ -4,7 +4,7 @@
 use files::log::Log;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trace::Trace;
+use trace::Identification;
 
 use super::machine::TestMachine;
 use super::reported::{assert_value, beyond_tolerance, certain, context, found, named};
@@ -13,7 +13,7 @@ use super::reported::{assert_value, beyond_tolerance, certain, context, found, n
 const P: u64 = 1;
 
 /// The trace of a machine whose scales are logged with more noise of this standard deviation, µm, uniform.
-fn with_noise(machine: &TestMachine, noise_um: f64) -> Trace {
+fn with_noise(machine: &TestMachine, noise_um: f64) -> Identification {
     let mut random = ChaCha8Rng::seed_from_u64(25);
     machine.trace_of(|log: &mut Log| {
         let tables = log.axes.iter_mut().filter_map(|axis| axis.table.as_mut()).flatten();

@@ -22,7 +22,7 @@ fn the_fitted_values_describe_held_out_logs_as_well_as_the_true_ones() {
         let fitted = trace(&declared, &fit, &validate, &|_| {}).unwrap();
         assert_named(&fitted, &[]);
         let of_truth = evaluate(&truth, &fit, &validate, &|_| {}).unwrap();
-        for (fitted, of_truth) in fitted.axes.iter().zip(&of_truth.axes) {
+        for (fitted, of_truth) in fitted.axes().iter().zip(of_truth.axes()) {
             for (fitted, of_truth) in fitted.residuals.iter().zip(&of_truth.residuals) {
                 assert_eq!(fitted.stage, of_truth.stage);
                 // Of the evaluated file, "before" is the file as it is.

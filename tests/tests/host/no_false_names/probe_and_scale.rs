@@ -4,7 +4,7 @@
 
 use files::log::{AxisLog, Log};
 use model::effects::{Effect, GrowingPart};
-use trace::Trace;
+use trace::Identification;
 use trace::certainty::is_certain;
 use trace::verdict::{self, Verdict};
 
@@ -19,15 +19,15 @@ fn machine() -> TestMachine {
     (3..40).map(TestMachine::new).find(is_motor_alone).unwrap()
 }
 
-fn assert_certain(trace: &Trace, axis: usize, name: &str) {
-    assert!(is_certain(&trace.axes[axis], found(trace, axis, name)), "{}", context(trace));
+fn assert_certain(trace: &Identification, axis: usize, name: &str) {
+    assert!(is_certain(&trace.axes()[axis], found(trace, axis, name)), "{}", context(trace));
 }
 
 /// The effect is ambiguous, with this rival.
-fn assert_rival(trace: &Trace, axis: usize, name: &str, rival: &str) {
+fn assert_rival(trace: &Identification, axis: usize, name: &str, rival: &str) {
     let found = found(trace, axis, name);
     let rivals = found.rival_names();
-    assert!(!is_certain(&trace.axes[axis], found) && rivals.contains(&rival), "{}", context(trace));
+    assert!(!is_certain(&trace.axes()[axis], found) && rivals.contains(&rival), "{}", context(trace));
 }
 
 fn tool(axis: &mut AxisLog) -> &mut Vec<f64> {
@@ -169,7 +169,7 @@ fn a_long_error_of_the_scale_is_no_certain_map_of_the_screw() {
         log.axes[1].table.as_mut().unwrap().iter_mut().for_each(|mm| *mm += wave(*mm));
     });
     let of_screw = ["pitch_map", "pitch_cyclic", "pitch_progressive"];
-    let y = &trace.axes[1];
+    let y = &trace.axes()[1];
     let certain: Vec<&str> =
         y.found.iter().filter(|found| is_certain(y, found)).map(|found| found.effect.name()).collect();
     assert!(!certain.iter().any(|name| of_screw.contains(name)), "{}", context(&trace));
@@ -190,14 +190,14 @@ fn a_drift_with_two_time_constants_is_not_one_with_a_third() {
     let part = |um: f64, tau_s: f64, s: f64| um * (1.0 - (-s / tau_s).exp());
     let trace = machine().trace_of(|log| drift(log, |s| part(6.0, 8.0, s) + part(12.0, 400.0, s)));
     assert_named(&trace, &[("x", "thermal_drift"), ("x", "thermal_drift")]);
-    let mut drifts: Vec<_> = trace.axes[0].found.iter().collect();
+    let mut drifts: Vec<_> = trace.axes()[0].found.iter().collect();
     drifts.sort_by(|a, b| a.effect.values()[1].total_cmp(&b.effect.values()[1]));
     for (drift, (amplitude_um, tau_s)) in drifts.iter().zip([(6.0, 8.0), (12.0, 400.0)]) {
         assert_value(drift, "amplitude_um", amplitude_um, 0.3 * amplitude_um);
         assert_value(drift, "time_constant_s", tau_s, 0.3 * tau_s);
         let is_held = tau_s < 70.0;
         let rivals = drift.rival_names();
-        assert_eq!(is_certain(&trace.axes[0], drift), is_held, "{}", context(&trace));
+        assert_eq!(is_certain(&trace.axes()[0], drift), is_held, "{}", context(&trace));
         assert!(is_held || rivals.contains(&"thermal_rate"), "{rivals:?}");
     }
 }
@@ -249,7 +249,7 @@ fn two_modes_are_found() {
         }
     });
     assert_named(&trace, &[("x", "resonance"), ("x", "resonance")]);
-    let mut modes: Vec<_> = trace.axes[0].found.iter().collect();
+    let mut modes: Vec<_> = trace.axes()[0].found.iter().collect();
     modes.sort_by(|a, b| a.effect.values()[0].total_cmp(&b.effect.values()[0]));
     for (mode, (hertz, zeta, participation)) in modes.iter().zip(MODES) {
         let values = mode.effect.values();

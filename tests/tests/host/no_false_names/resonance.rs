@@ -24,7 +24,7 @@ fn a_mode_far_above_the_motion_is_not_certainly_an_intalk() {
     // 0.283 and 0.158 µm s²/m.
     for frequency_hz in [300.0, 400.0] {
         let trace = with_mode(frequency_hz).trace();
-        let [found] = trace.axes[0].found.as_slice() else { panic!("{}", context(&trace)) };
+        let [found] = trace.axes()[0].found.as_slice() else { panic!("{}", context(&trace)) };
         let [rival] = found.rivals.as_slice() else { panic!("{}", context(&trace)) };
         let mut names = [found.effect.name(), rival.name()];
         names.sort_unstable();
@@ -57,10 +57,10 @@ fn two_modes_of_the_tool_are_both_found() {
         [x.resonance, x.second_resonance] = MODES_HZ.map(|hertz| Some([TAU * hertz, zeta]));
         let trace = machine.trace();
         assert_named(&trace, &[("x", "resonance"), ("x", "resonance")]);
-        let mut modes: Vec<_> = trace.axes[0].found.iter().collect();
+        let mut modes: Vec<_> = trace.axes()[0].found.iter().collect();
         modes.sort_by(|a, b| a.effect.values()[0].total_cmp(&b.effect.values()[0]));
         for (mode, hertz) in modes.into_iter().zip(MODES_HZ) {
-            assert!(is_certain(&trace.axes[0], mode), "{}", context(&trace));
+            assert!(is_certain(&trace.axes()[0], mode), "{}", context(&trace));
             // The same bound of the frequency as of a single mode, and ten times smaller ones of the damping than its value.
             assert_value(mode, "frequency_hz", hertz, 0.05 * hertz);
             assert_value(mode, "damping_ratio", zeta, 0.1 * zeta);

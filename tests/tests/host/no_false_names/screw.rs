@@ -5,18 +5,18 @@ use std::f64::consts::TAU;
 use model::effects::Effect;
 use model::effects::PitchMap;
 use self_test::plant::Sinusoid;
-use trace::Trace;
+use trace::Identification;
 use trace::certainty::is_certain;
 
 use super::machine::{TestMachine, wave_um};
 use super::reported::{assert_named, assert_value, context, found, named};
 
 /// The pitch map of an axis, and the slope beside it, µm/m.
-fn map_and_slope(trace: &Trace, axis: usize) -> (PitchMap, f64) {
+fn map_and_slope(trace: &Identification, axis: usize) -> (PitchMap, f64) {
     let Effect::PitchMap(map) = found(trace, axis, "pitch_map").effect.clone() else {
         panic!("{}", context(trace))
     };
-    let effects = trace.axes[axis].found.iter().map(|found| &found.effect);
+    let effects = trace.axes()[axis].found.iter().map(|found| &found.effect);
     let slopes = effects.filter(|effect| effect.name() == "pitch_progressive");
     (map, slopes.map(|effect| effect.values()[0]).sum())
 }
@@ -40,7 +40,7 @@ fn a_smooth_pitch_error_is_a_map() {
         .with_mechanics(1, |y| y.screw_waves = waves(phases[1]));
     let trace = machine.trace();
     for (axis, phase) in phases.into_iter().enumerate() {
-        let names: Vec<&str> = trace.axes[axis].found.iter().map(|found| found.effect.name()).collect();
+        let names: Vec<&str> = trace.axes()[axis].found.iter().map(|found| found.effect.name()).collect();
         assert!(
             names.contains(&"pitch_map")
                 && names.iter().all(|name| ["pitch_map", "pitch_progressive"].contains(name)),
@@ -58,7 +58,7 @@ fn a_smooth_pitch_error_is_a_map() {
         let largest = largest_difference(pairs);
         assert!(largest < 0.1, "{largest} {map:?}");
         // The probe follows the table, so that the scale is right.
-        assert!(is_certain(&trace.axes[axis], found(&trace, axis, "pitch_map")), "{}", context(&trace));
+        assert!(is_certain(&trace.axes()[axis], found(&trace, axis, "pitch_map")), "{}", context(&trace));
     }
     let trace = machine.trace_of(|log| log.axes[0].tool = None);
     assert_eq!(found(&trace, 0, "pitch_map").rival_names(), ["scale_cyclic"], "{}", context(&trace));

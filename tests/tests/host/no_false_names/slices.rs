@@ -57,7 +57,7 @@ fn named_slices(
     let names = |&(number, first_row, rows): &(usize, usize, usize)| {
         let log = &logs[number];
         let trace = trace(machine, &[log.slice(first_row..first_row + rows)], &[], &|_| {}).unwrap();
-        let mut found = trace.axes.iter().flat_map(|axis| &axis.found);
+        let mut found = trace.axes().iter().flat_map(|axis| &axis.found);
         let is_named = found.any(|found| found.rivals.is_empty());
         is_named.then(|| (log.source.clone(), first_row, rows))
     };

@@ -1,0 +1,45 @@
+//! Logs at the rate of the machine.
+
+use super::sampling_rate;
+use crate::options::AdmissionOptions;
+use crate::repair::examine::{Examined, interpolate_lost_rows};
+use crate::task::{Job, Logs};
+use files::error::InputError;
+use model::machine::Machine;
+
+/// Logs at the rate of the machine, with notes for the user.
+#[derive(Clone, Debug)]
+pub struct Admitted<'a> {
+    /// Fit logs and validation logs (none if the fit logs are to be split), with the faults found so far.
+    pub examined: Examined<'a>,
+    /// Sentences on logs that were thinned, and on missing channels.
+    pub notes: Vec<String>,
+}
+
+/// Admits logs: interpolates their lost rows, which only show at the rate of the log, and thins them to the rate of the machine.
+///
+/// # Errors
+/// For a log at a rate that is not a multiple of that of the machine.
+pub fn admit<'a>(job: &Job<'_>, logs: Logs<'a>) -> Result<Admitted<'a>, InputError> {
+    let interpolated = interpolate_lost_rows(job.machine, logs, job.options);
+    at_machine_rate(job.machine, interpolated, &job.options.admission)
+}
+
+/// Logs at the rate of the machine, with notes on those that were thinned.
+///
+/// # Errors
+/// For a log at a rate that is not a multiple of it.
+pub(super) fn at_machine_rate<'a>(
+    machine: &Machine,
+    mut examined: Examined<'a>,
+    options: &AdmissionOptions,
+) -> Result<Admitted<'a>, InputError> {
+    let mut notes = Vec::new();
+    for logs in &mut examined.logs {
+        let given = std::mem::take(logs);
+        for log in given {
+            logs.push(sampling_rate::at_machine_rate(machine, log, options, &mut notes)?);
+        }
+    }
+    Ok(Admitted { examined, notes })
+}

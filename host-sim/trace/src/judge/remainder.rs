@@ -1,0 +1,90 @@
+//! What the declared model and the model with effects leave of each stage.
+
+use super::axis_findings::StageResidual;
+use crate::analysis::empirical::{Empirical, empirical};
+use crate::analysis::repeatability::{Repeatability, repeatability};
+use crate::analysis::residual_analysis::{UnexplainedResidual, unexplained};
+use crate::fit::axis_data::AxisData;
+use crate::fit::axis_model::AxisModel;
+use crate::fit::exclusion::Exclusion;
+use crate::fit::fit_data::{FitAndValidationRms, FitData};
+use crate::fit::scope::Scope;
+use model::residual_table::ResidualTable;
+
+/// Residuals after the fit, and their analysis.
+#[derive(Default)]
+pub struct Remainder {
+    /// Residuals by stage.
+    pub residuals: Vec<StageResidual>,
+    /// Residuals above the noise.
+    pub unexplained: Vec<UnexplainedResidual>,
+    /// Their repeatable parts.
+    pub repeats: Vec<Repeatability>,
+    /// Them as tables over the variables that explain most of them.
+    pub tables: Vec<Empirical>,
+}
+
+impl Remainder {
+    /// The residuals of each stage under the declared model and under the model with effects.
+    #[must_use]
+    pub fn of(
+        AxisData { fit: fit_data, validate, .. }: &AxisData<'_>,
+        [before, model]: [&AxisModel; 2],
+        scopes: &[Scope],
+        exclusions: &[Exclusion],
+    ) -> Self {
+        let mut remainder = Self::default();
+        for scope in scopes {
+            let [fit_before, fit_after] = [before, model].map(|model| fit_data.residuals(model, scope));
+            let [held_out_before, held_out_after] =
+                [before, model].map(|model| validate.residuals(model, scope));
+            let has_exclusion = exclusions.iter().any(|exclusion| scope.stages.contains(&exclusion.stage));
+            let beside = has_exclusion.then(|| {
+                [fit_data, validate].map(|data| FitData { exclusions, ..*data }.residuals(model, scope))
+            });
+            let [fit_beside, held_out_beside] =
+                beside.as_ref().map_or([&fit_after, &held_out_after], |[fit, held_out]| [fit, held_out]);
+            for &stage in &scope.stages {
+                let noise = fit_data.noise(model, stage);
+                let pair = |fitted, held_out| FitAndValidationRms {
+                    fit: fit_data.rms(fitted, stage),
+                    validate: validate.rms(held_out, stage),
+                };
+                remainder.residuals.push(StageResidual {
+                    stage,
+                    before: pair(&fit_before, &held_out_before),
+                    after: pair(&fit_after, &held_out_after),
+                    beside_exclusions: pair(fit_beside, held_out_beside),
+                    noise,
+                    max_described: fit_data.max_described(model, stage),
+                });
+                remainder.repeats.extend(repeatability(fit_data, &fit_after, stage));
+                if let Some(found) = unexplained(fit_data, &fit_after, stage, noise) {
+                    let residuals = [&fit_after[..], &held_out_after];
+                    let table = empirical([fit_data, validate], residuals, stage, found.variable);
+                    remainder.tables.extend(table);
+                    remainder.unexplained.push(found);
+                }
+            }
+        }
+        remainder
+    }
+
+    /// The model with what the logs confirm of its residuals as tables, and what remains beside these; `None` if they confirm none.
+    #[must_use]
+    pub fn with_tables(
+        &self,
+        axis: &AxisData<'_>,
+        [before, model]: [&AxisModel; 2],
+        scopes: &[Scope],
+        exclusions: &[Exclusion],
+    ) -> Option<(AxisModel, Self)> {
+        let confirmed: Vec<ResidualTable> = self.tables.iter().filter_map(Empirical::confirmed).collect();
+        if confirmed.is_empty() {
+            return None;
+        }
+        let model = model.with_further_tables(&confirmed);
+        let beside = Self::of(axis, [before, &model], scopes, exclusions);
+        Some((model, Self { tables: self.tables.clone(), ..beside }))
+    }
+}

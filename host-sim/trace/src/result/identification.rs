@@ -1,0 +1,123 @@
+//! The result of a trace.
+
+use std::ops::Deref;
+
+use super::distinguishing_motion::Proposal;
+use crate::fit::axis_model::AxisModel;
+use crate::fit::declared_machine::DeclaredMachine;
+use crate::fit::fit_data::FitData;
+use crate::input::signals::Signals;
+use crate::judge::axis_findings::AxisFindings;
+use crate::options::TraceOptions;
+use crate::repair::DataFault;
+use crate::search::ambiguity::Ambiguity;
+use model::machine::Machine;
+
+/// The result of a trace: the effects that a machine shows in its logs and that its declared model lacks.
+#[derive(Clone, Debug)]
+pub struct Identification {
+    pub(super) declared: DeclaredMachine,
+    pub(super) axes: Vec<AxisIdentification>,
+    pub(super) fit_logs: Vec<Signals>,
+    pub(super) validate_logs: Vec<Signals>,
+    pub(super) notes: Vec<String>,
+}
+
+/// The result for one axis: what was found, and what speaks against it. The findings are read as if they were its own.
+#[derive(Clone, Debug)]
+pub struct AxisIdentification {
+    pub(super) findings: AxisFindings,
+    /// Faults of its data, found before any fit.
+    pub data_faults: Vec<DataFault>,
+    /// Whether the scale of the logged force may be wrong, instead of masses, stiffness, friction and the gain of the loop.
+    pub has_force_scale: bool,
+    pub(super) proposals: Vec<Option<Proposal>>,
+}
+
+impl Deref for AxisIdentification {
+    type Target = AxisFindings;
+
+    fn deref(&self) -> &AxisFindings {
+        &self.findings
+    }
+}
+
+impl AxisIdentification {
+    /// Pairs of effects that the logs do not distinguish, with a motion that does; without one if the machine file does not suffice to
+    /// simulate it.
+    pub fn ambiguities_with_motions(&self) -> impl Iterator<Item = (&Ambiguity, Option<&Proposal>)> {
+        self.ambiguities.iter().zip(self.proposals.iter().map(Option::as_ref))
+    }
+}
+
+impl Identification {
+    /// The axes, in the order of the machine file.
+    #[must_use]
+    pub fn axes(&self) -> &[AxisIdentification] {
+        &self.axes
+    }
+
+    /// The logs that were fitted.
+    #[must_use]
+    pub fn fit_logs(&self) -> &[Signals] {
+        &self.fit_logs
+    }
+
+    /// The logs that were held out.
+    #[must_use]
+    pub fn validate_logs(&self) -> &[Signals] {
+        &self.validate_logs
+    }
+
+    /// The declared machine.
+    #[must_use]
+    pub const fn machine(&self) -> &Machine {
+        &self.declared.machine
+    }
+
+    /// The thresholds of the trace.
+    #[must_use]
+    pub const fn options(&self) -> &TraceOptions {
+        &self.declared.options
+    }
+
+    /// Sentences on logs that were shortened or thinned, and on missing or excluded data.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// The effects found, as `axis: name`.
+    #[must_use]
+    pub fn found_names(&self) -> Vec<String> {
+        let all = self.axes.iter().flat_map(|axis| axis.found.iter().map(move |found| (axis, found)));
+        all.map(|(axis, found)| format!("{}: {}", axis.axis, found.effect.name())).collect()
+    }
+
+    /// The machine with fitted values and with the effects found.
+    #[must_use]
+    pub fn better_machine(&self) -> Machine {
+        better_machine(&self.declared.machine, self.axes.iter().map(|axis| (axis.axis.as_str(), &axis.model)))
+    }
+
+    /// The data of one axis, by its index, in these logs.
+    #[must_use]
+    pub fn data<'a>(&'a self, logs: &'a [Signals], axis: usize) -> FitData<'a> {
+        self.declared.data(logs, axis)
+    }
+}
+
+/// A machine with the models of axes, by their names, in place of its declared ones.
+pub(super) fn better_machine<'a>(
+    declared: &Machine,
+    models: impl Iterator<Item = (&'a str, &'a AxisModel)>,
+) -> Machine {
+    // The effects found include the influence of the bodies on an axis. With the structure, it would act twice.
+    let mut machine = Machine { structure: None, ..declared.clone() };
+    for (name, model) in models {
+        if let Some(axis) = machine.axis.get_mut(name) {
+            *axis = model.written();
+        }
+    }
+    machine
+}
