@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
+use crate::control::{ControlFile, Written};
 use crate::errors::AxisErrors;
-use crate::{ControlFile, Written};
 
 /// First setting of the backlash in grblHAL: that of X; the next axes follow.
 const GRBLHAL_BACKLASH: usize = 160;

@@ -4,8 +4,8 @@
 
 use std::fmt::Write;
 
+use crate::control::{ControlFile, Written};
 use crate::errors::{AxisErrors, ErrorTable};
-use crate::{ControlFile, Written};
 
 /// Units of the list per mm and µm.
 const PER_MM: f64 = 1e4;

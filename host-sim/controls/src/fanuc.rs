@@ -5,8 +5,8 @@
 
 use std::fmt::Write;
 
+use crate::control::{ControlFile, Written};
 use crate::errors::{AxisErrors, ErrorTable};
-use crate::{ControlFile, Written};
 
 /// Detection unit of most machines, µm.
 const DETECTION_UM: f64 = 1.0;

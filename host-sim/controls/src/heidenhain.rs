@@ -1,4 +1,4 @@
-//! Heidenhain iTNC 530, TNC 640, MANUALplus 620: compensation tables `.COM`.
+//! Heidenhain iTNC 530, TNC 640, `MANUALplus` 620: compensation tables `.COM`.
 //!
 //! Column AXISPOS has the position from the machine datum, the column of the axis the value in positive direction, and BACKLASH that in
 //! negative direction, mm. At most 256 lines. The documentation calls the values compensation values of an error that is positive where
@@ -6,8 +6,8 @@
 
 use std::fmt::Write;
 
+use crate::control::{ControlFile, Written};
 use crate::errors::AxisErrors;
-use crate::{ControlFile, Written};
 
 /// The files.
 #[must_use]

@@ -1,6 +1,6 @@
 //! What a control does not take of a compensation, and what to do instead.
 
-use crate::Control;
+use crate::control::Control;
 use crate::errors::AxisErrors;
 
 /// Sentences for what the files of an axis lack.

@@ -1,5 +1,6 @@
 //! Compensation files of other controls, from the compensation of a model.
 //!
+//! - [`control`]: the controls, and a file for one
 //! - [`errors`]: what an axis does beside its command, as a table over the position and a backlash
 //! - [`linuxcnc`], [`siemens`], [`heidenhain`], [`fanuc`], [`beckhoff`]: tables of these controls
 //! - [`backlash_only`]: grblHAL and Marlin, which have no tables
@@ -11,6 +12,7 @@
 
 pub mod backlash_only;
 pub mod beckhoff;
+pub mod control;
 pub mod errors;
 pub mod fanuc;
 pub mod heidenhain;
@@ -25,60 +27,8 @@ mod tests;
 use compensate::CompensationFile;
 use model::machine::Machine;
 
+pub use control::{Control, ControlFile, Written};
 use errors::AxisErrors;
-
-/// A control with its own files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Control {
-    /// LinuxCNC: `COMP_FILE` or `BACKLASH`, and gains of its pid.
-    Linuxcnc,
-    /// Siemens SINUMERIK: leadscrew error compensation.
-    Siemens,
-    /// Heidenhain: non-linear axis-error compensation.
-    Heidenhain,
-    /// Fanuc: stored pitch error compensation.
-    Fanuc,
-    /// Beckhoff `TwinCAT` CNC: leadscrew error compensation.
-    Beckhoff,
-    /// grblHAL: backlash.
-    Grblhal,
-    /// Marlin: backlash.
-    Marlin,
-    /// Tables for any other control.
-    Csv,
-}
-
-/// A file for a control.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ControlFile {
-    /// Name in its folder.
-    pub name: String,
-    /// Its text.
-    pub text: String,
-}
-
-/// The files of a compensation for a control, and what its user has to know.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Written {
-    /// The files.
-    pub files: Vec<ControlFile>,
-    /// Sentences.
-    pub remarks: Vec<String>,
-}
-
-impl Control {
-    /// Greatest number of points of a table.
-    const fn most_points(self) -> usize {
-        match self {
-            Self::Linuxcnc | Self::Heidenhain => 256,
-            Self::Siemens => 200,
-            Self::Fanuc => 128,
-            Self::Beckhoff => 1500,
-            Self::Csv => 4096,
-            Self::Grblhal | Self::Marlin => 0,
-        }
-    }
-}
 
 /// The files of a compensation of a machine for a control.
 #[must_use]

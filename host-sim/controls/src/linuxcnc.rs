@@ -8,8 +8,8 @@ use std::fmt::Write;
 
 use model::axis::Drive;
 
+use crate::control::{ControlFile, Written};
 use crate::errors::{AxisErrors, ErrorTable};
-use crate::{ControlFile, Written};
 
 /// The files.
 #[must_use]

@@ -5,8 +5,8 @@
 
 use std::fmt::Write;
 
+use crate::control::{ControlFile, Written};
 use crate::errors::AxisErrors;
-use crate::{ControlFile, Written};
 
 /// The files.
 #[must_use]

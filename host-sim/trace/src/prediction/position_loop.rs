@@ -117,7 +117,8 @@ impl PositionLoop {
             + ff1 * velocity
             + (bias + i * self.integral_m_s + d * derivative + ff0 * command_m + ff2 * acceleration);
         let output = limited(unlimited, self.terms.max_output);
-        self.at_limit = if output == unlimited { 0.0 } else { output.signum() };
+        let is_limited = output.to_bits() != unlimited.to_bits();
+        self.at_limit = if is_limited { output.signum() } else { 0.0 };
         output
     }
 }

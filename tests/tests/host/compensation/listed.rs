@@ -65,12 +65,11 @@ fn what_is_not_compensated_is_listed_with_its_reason() {
         assert_eq!((listed.why.as_str(), listed.instead.as_str()), (why, instead));
         assert!(!plan.items.iter().any(|item| item.effect == effect.name()));
     }
-    // Every kind that is not compensated is one of these, or cannot be simulated: those of axes without masses or of steppers, and delays
+    // Every kind that is not compensated is one of these, or cannot be on it: those of axes without masses or of steppers, and delays
     // within the machine's own controller.
     let not = |kind: &&Kind| !example(kind).compensation().is_compensated();
     let kinds: BTreeSet<&str> = KINDS.iter().filter(not).map(|kind| kind.name).collect();
-    let not_simulated =
-        ["windup", "lost_motion", "load_angle", "microstep_error", "loop_delay", "position_delay"];
+    let not_simulated = ["windup", "microstep_error", "loop_delay", "position_delay"];
     let tested = machine.axis["x"].effect.iter().map(Effect::name).chain(not_simulated);
     assert_eq!(kinds, tested.collect::<BTreeSet<_>>());
 }
