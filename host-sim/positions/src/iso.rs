@@ -1,0 +1,209 @@
+//! The figures of ISO 230-2:2014, clause 3 (terms and definitions), from deviations x = actual − target.
+//!
+//! At each target i, in each direction, with n approaches: mean x̄ and standard deviation s with divisor n − 1. Then
+//!
+//! - bidirectional mean x̄ᵢ = (x̄ᵢ↑ + x̄ᵢ↓)/2, reversal Bᵢ = x̄ᵢ↑ − x̄ᵢ↓
+//! - repeatability Rᵢ↑ = 4·sᵢ↑, Rᵢ↓ = 4·sᵢ↓, Rᵢ = max(2·sᵢ↑ + 2·sᵢ↓ + |Bᵢ|, Rᵢ↑, Rᵢ↓)
+//! - of the axis: B = max |Bᵢ|, B̄ = mean of Bᵢ, M = range of x̄ᵢ, E = range of all x̄ᵢ↑ and x̄ᵢ↓, R = max Rᵢ,
+//!   A = max(x̄ᵢ + 2·sᵢ) − min(x̄ᵢ − 2·sᵢ) over both directions; A↑, A↓, E↑, E↓, R↑, R↓ of one direction alone.
+
+use serde::Serialize;
+
+use super::measured::{Test, Way};
+
+/// The figures, µm; `None` where the readings do not give one.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Figures {
+    /// Bidirectional accuracy.
+    #[serde(rename = "A")]
+    pub accuracy: Option<f64>,
+    /// Accuracy in + direction, A↑.
+    #[serde(rename = "A_positive")]
+    pub accuracy_positive: Option<f64>,
+    /// Accuracy in − direction, A↓.
+    #[serde(rename = "A_negative")]
+    pub accuracy_negative: Option<f64>,
+    /// Bidirectional systematic deviation.
+    #[serde(rename = "E")]
+    pub systematic: Option<f64>,
+    /// Systematic deviation in + direction, E↑.
+    #[serde(rename = "E_positive")]
+    pub systematic_positive: Option<f64>,
+    /// Systematic deviation in − direction, E↓.
+    #[serde(rename = "E_negative")]
+    pub systematic_negative: Option<f64>,
+    /// Range of the mean bidirectional deviation.
+    #[serde(rename = "M")]
+    pub mean_range: Option<f64>,
+    /// Bidirectional repeatability.
+    #[serde(rename = "R")]
+    pub repeatability: Option<f64>,
+    /// Repeatability in + direction, R↑.
+    #[serde(rename = "R_positive")]
+    pub repeatability_positive: Option<f64>,
+    /// Repeatability in − direction, R↓.
+    #[serde(rename = "R_negative")]
+    pub repeatability_negative: Option<f64>,
+    /// Greatest reversal, regardless of its sign.
+    #[serde(rename = "B")]
+    pub reversal: Option<f64>,
+    /// Mean reversal B̄, signed: below zero the axis stops short of where it stops in − direction, as with a gap.
+    #[serde(rename = "B_mean")]
+    pub mean_reversal: Option<f64>,
+}
+
+/// The approaches to a target in one direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approaches {
+    /// Their number.
+    pub count: usize,
+    /// Mean deviation x̄, µm.
+    pub mean_um: f64,
+    /// Standard deviation s, µm; `None` of one approach.
+    pub deviation_um: Option<f64>,
+}
+
+/// A target.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Position {
+    /// Where it is, mm.
+    pub target_mm: f64,
+    /// Its approaches in + and − direction; `None`: there are none.
+    pub ways: [Option<Approaches>; 2],
+}
+
+impl Position {
+    /// Reversal Bᵢ, µm.
+    #[must_use]
+    pub fn reversal_um(&self) -> Option<f64> {
+        let [positive, negative] = self.ways;
+        Some(positive?.mean_um - negative?.mean_um)
+    }
+
+    /// Mean bidirectional deviation x̄ᵢ, µm.
+    #[must_use]
+    pub fn mean_um(&self) -> Option<f64> {
+        let [positive, negative] = self.ways;
+        Some(0.5 * (positive?.mean_um + negative?.mean_um))
+    }
+
+    /// Bidirectional repeatability Rᵢ, µm.
+    fn repeatability_um(&self) -> Option<f64> {
+        let [positive, negative] = self.ways.map(|way| way.and_then(|way| way.deviation_um));
+        let (positive, negative) = (positive?, negative?);
+        let both = 2.0 * positive + 2.0 * negative + self.reversal_um()?.abs();
+        Some(both.max(4.0 * positive).max(4.0 * negative))
+    }
+}
+
+/// The targets of a test with their approaches.
+#[must_use]
+pub fn positions(test: &Test) -> Vec<Position> {
+    let targets = test.targets_mm();
+    let mut deviations: Vec<[Vec<f64>; 2]> = vec![[Vec::new(), Vec::new()]; targets.len()];
+    for reading in &test.readings {
+        let way = usize::from(reading.way == Way::Negative);
+        deviations[nearest(&targets, reading.target_mm)][way].push(reading.deviation_um);
+    }
+    let of = |(target_mm, ways): (f64, [Vec<f64>; 2])| Position {
+        target_mm,
+        ways: ways.each_ref().map(|values| approaches(values)),
+    };
+    targets.into_iter().zip(deviations).map(of).collect()
+}
+
+/// Index of the target that is nearest to a position.
+pub(crate) fn nearest(targets_mm: &[f64], position_mm: f64) -> usize {
+    let distance = |index: &usize| (targets_mm[*index] - position_mm).abs();
+    (0..targets_mm.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+}
+
+fn approaches(values: &[f64]) -> Option<Approaches> {
+    if values.is_empty() {
+        return None;
+    }
+    let (mean_um, with_n) = numerics::mean_and_deviation(values);
+    let n = values.len() as f64;
+    let deviation_um = (values.len() > 1).then(|| with_n * (n / (n - 1.0)).sqrt());
+    Some(Approaches { count: values.len(), mean_um, deviation_um })
+}
+
+/// The figures of targets, and a line for each that is not given. A figure needs its value at every target.
+#[must_use]
+pub fn figures(positions: &[Position]) -> (Figures, Vec<String>) {
+    let way = |index: usize| positions.iter().map(move |position| position.ways[index]);
+    let ends = |index: usize| -> Option<Vec<f64>> {
+        let both = way(index).map(|way| {
+            let way = way?;
+            let spread = 2.0 * way.deviation_um?;
+            Some([way.mean_um - spread, way.mean_um + spread])
+        });
+        Some(both.collect::<Option<Vec<_>>>()?.concat())
+    };
+    let means = |index: usize| -> Option<Vec<f64>> { way(index).map(|way| Some(way?.mean_um)).collect() };
+    let deviations = |index: usize| -> Option<Vec<f64>> { way(index).map(|way| way?.deviation_um).collect() };
+    let together = |[a, b]: [Option<Vec<f64>>; 2]| Some(range([a?, b?].concat()));
+    let reversals: Option<Vec<f64>> = positions.iter().map(Position::reversal_um).collect();
+    let both_means: Option<Vec<f64>> = positions.iter().map(Position::mean_um).collect();
+    let repeatabilities: Option<Vec<f64>> = positions.iter().map(Position::repeatability_um).collect();
+    let repeatability = |index: usize| deviations(index).map(|s| 4.0 * numerics::max(s));
+    let figures = Figures {
+        accuracy: together([ends(0), ends(1)]),
+        accuracy_positive: ends(0).map(range),
+        accuracy_negative: ends(1).map(range),
+        systematic: together([means(0), means(1)]),
+        systematic_positive: means(0).map(range),
+        systematic_negative: means(1).map(range),
+        mean_range: both_means.map(range),
+        repeatability: repeatabilities.map(numerics::max),
+        repeatability_positive: repeatability(0),
+        repeatability_negative: repeatability(1),
+        reversal: reversals.as_ref().map(|all| numerics::max_abs(all.iter().copied())),
+        mean_reversal: reversals.map(numerics::mean),
+    };
+    (figures, lines(positions))
+}
+
+fn range(values: Vec<f64>) -> f64 {
+    numerics::peak_to_peak(values)
+}
+
+/// Why figures are not given, and what is not as the standard asks.
+fn lines(positions: &[Position]) -> Vec<String> {
+    const APPROACHES: usize = 5;
+    let mut lines = Vec::new();
+    let counts = |index: usize| positions.iter().map(move |at| at.ways[index].map_or(0, |way| way.count));
+    for (way, index) in Way::BOTH.into_iter().zip(0..) {
+        let at = |is: &dyn Fn(usize) -> bool| {
+            positions.iter().zip(counts(index)).find(|(_, count)| is(*count)).map(|(at, _)| at.target_mm)
+        };
+        let arrow = if way == Way::Positive { '↑' } else { '↓' };
+        if counts(index).all(|count| count == 0) {
+            lines.push(format!(
+                "No approach in {} direction: A, E, M, R, B, B̄, A{arrow}, E{arrow} and R{arrow} are not given.",
+                way.word()
+            ));
+        } else if let Some(mm) = at(&|count| count == 0) {
+            lines.push(format!(
+                "No approach to {mm} mm in {} direction: A, E, M, R, B, B̄, A{arrow}, E{arrow} and R{arrow} are not given.",
+                way.word()
+            ));
+        } else if let Some(mm) = at(&|count| count == 1) {
+            lines.push(format!(
+                "One approach to {mm} mm in {} direction, which has no standard deviation: A, R, A{arrow} and R{arrow} are not given.",
+                way.word()
+            ));
+        }
+    }
+    let all = || (0..2).flat_map(counts).filter(|count| *count > 0);
+    let (fewest, most) = (all().min().unwrap_or(0), all().max().unwrap_or(0));
+    if fewest != most {
+        lines.push(format!("The targets have {fewest} to {most} approaches each: ISO 230-2 asks for as many at each."));
+    } else if most < APPROACHES {
+        lines.push(format!(
+            "{most} approach{} to each target in each direction: ISO 230-2 asks for {APPROACHES}.",
+            if most == 1 { "" } else { "es" }
+        ));
+    }
+    lines
+}

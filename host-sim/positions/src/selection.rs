@@ -1,0 +1,251 @@
+//! Which form the runs support: each step takes the one that predicts runs that were left out of the fit best, as long as it does so
+//! better than the form before and is more than chance. Then simpler forms are taken that predict as well.
+
+use nalgebra::DVector;
+
+use numerics::distributions::{f_test_p_value, student_t_beyond};
+
+use super::course::Course;
+use super::drift;
+use super::fit::{Fit, Samples, whole};
+use super::variant::{Drift, Gap, Grid, Mean, Variant};
+use super::wave;
+
+/// A step is taken if it reduces the mean square of runs left out by this fraction.
+const MIN_REDUCTION: f64 = 0.01;
+
+/// A simpler form is taken if it raises the mean square of runs left out by less than this fraction.
+const MAX_RISE: f64 = 0.02;
+
+/// Greatest probability of a step by chance, F test.
+const MAX_CHANCE: f64 = 1e-3;
+
+/// Greatest probability of a trend of the runs by chance.
+const MAX_TREND_CHANCE: f64 = 0.05;
+
+/// Fewest runs of which a drift is told: two always lie on a line.
+pub const MIN_DRIFT_RUNS: usize = 3;
+
+/// Most waves.
+const MAX_WAVES: usize = 2;
+
+/// The form that the runs support.
+#[derive(Clone, Debug)]
+pub struct Chosen {
+    /// Its fit to all runs.
+    pub fit: Fit,
+    /// Rms error of runs that were left out, µm; `None` of a single run.
+    pub left_out_um: Option<f64>,
+    /// Whether the time constant of the drift is bounded on both sides: its 95 % interval.
+    pub time_constant_ci95: Option<[f64; 2]>,
+}
+
+/// What is searched in.
+pub struct Search<'a> {
+    /// Readings.
+    pub samples: &'a Samples,
+    /// Knots and course.
+    pub grid: &'a Grid,
+    /// Whether there are readings in both directions.
+    pub has_both_ways: bool,
+    ridge: Option<f64>,
+    runs: Vec<usize>,
+}
+
+impl<'a> Search<'a> {
+    /// A search in these samples.
+    #[must_use]
+    pub fn new(samples: &'a Samples, grid: &'a Grid, has_both_ways: bool) -> Self {
+        let runs = samples.distinct_runs();
+        let ridge = (runs.len() >= MIN_DRIFT_RUNS).then(|| drift::ridge(samples, grid, has_both_ways)).flatten();
+        Self { samples, grid, has_both_ways, ridge, runs }
+    }
+
+    /// The fit of a form; `None` if the samples do not determine it.
+    #[must_use]
+    pub fn fit(&self, variant: &Variant) -> Option<Fit> {
+        self.fit_to(variant, self.samples)
+    }
+
+    fn fit_to(&self, variant: &Variant, samples: &Samples) -> Option<Fit> {
+        let ridge = if variant.drift == Drift::Map { self.ridge? } else { 0.0 };
+        Fit::of(variant, self.grid, samples, ridge)
+    }
+
+    /// Mean square of the errors of each run, predicted by the others, µm²; `None` of a single run.
+    #[must_use]
+    pub fn left_out(&self, variant: &Variant) -> Option<f64> {
+        if self.runs.len() < 2 {
+            return None;
+        }
+        let mut squares = 0.0;
+        for run in &self.runs {
+            let others = self.samples.of_runs(|other| other != *run);
+            let fit = self.fit_to(variant, &others)?;
+            let held = self.samples.of_runs(|other| other == *run);
+            let errors = held.places.iter().zip(&held.deviations_um).map(|(place, um)| um - fit.at(self.grid, place));
+            squares += errors.map(|error| error * error).sum::<f64>();
+        }
+        Some(squares / self.samples.runs.len() as f64)
+    }
+
+    /// The form that the runs support.
+    #[must_use]
+    pub fn choose(&self) -> Option<Chosen> {
+        let mut best = self.fit(&Variant::offset())?;
+        while let Some(next) = self.step(&best) {
+            best = next;
+        }
+        let fit = self.simplified(best);
+        let left_out_um = self.left_out(&fit.variant).map(f64::sqrt);
+        Some(Chosen { fit, left_out_um, time_constant_ci95: None })
+    }
+
+    /// The best form with more of one part; `None` if none is better.
+    fn step(&self, before: &Fit) -> Option<Fit> {
+        let left_out = self.left_out(&before.variant);
+        let mut best: Option<(f64, Fit)> = None;
+        for variant in self.larger(&before.variant) {
+            let Some(fit) = self.fit(&variant) else { continue };
+            if !is_more_than_chance(before, &fit) || !self.is_trend(before, &fit) {
+                continue;
+            }
+            // A single run has nothing to be left out: chance alone decides, with the scatter that is left.
+            let (score, limit) = match (self.left_out(&variant), left_out) {
+                (Some(after), Some(before)) => (after, (1.0 - MIN_REDUCTION) * before),
+                _ => (fit.scatter_um().unwrap_or(f64::INFINITY), f64::INFINITY),
+            };
+            if score < limit && best.as_ref().is_none_or(|(least, _)| score < *least) {
+                best = Some((score, fit));
+            }
+        }
+        best.map(|(_, fit)| fit)
+    }
+
+    /// Forms with more of one part.
+    fn larger(&self, variant: &Variant) -> Vec<Variant> {
+        let mut larger: Vec<Variant> = Vec::new();
+        let mut with_mean = |mean: Mean| larger.push(Variant { mean, ..variant.clone() });
+        let periods = match &variant.mean {
+            Mean::Waves(periods) => periods.clone(),
+            _ => Vec::new(),
+        };
+        if variant.mean == Mean::Offset {
+            with_mean(Mean::Line);
+        }
+        if variant.mean != Mean::Map {
+            let gap = if self.has_both_ways { Gap::Constant } else { Gap::None };
+            let wave = (periods.len() < MAX_WAVES).then(|| wave::with_wave(self.grid, self.samples, gap, &periods));
+            if let Some(wave) = wave.flatten() {
+                with_mean(wave.mean);
+            }
+            with_mean(Mean::Map);
+        }
+        let gaps = [Gap::Constant, Gap::Map].into_iter().filter(|gap| self.has_both_ways && *gap > variant.gap);
+        larger.extend(gaps.map(|gap| Variant { gap, ..variant.clone() }));
+        if self.runs.len() >= MIN_DRIFT_RUNS {
+            let drifts = [Drift::Offset, Drift::Line, Drift::Map].into_iter().filter(|drift| *drift > variant.drift);
+            larger.extend(drifts.map(|drift| Variant { drift, ..variant.clone() }));
+        }
+        larger
+    }
+
+    /// Simpler forms of each part in turn, as long as runs left out are predicted as well.
+    fn simplified(&self, mut best: Fit) -> Fit {
+        let Some(limit) = self.left_out(&best.variant).map(|left_out| (1.0 + MAX_RISE) * left_out) else { return best };
+        while let Some(smaller) = self.smaller(&best.variant).into_iter().find_map(|variant| {
+            let is_as_good = self.left_out(&variant).is_some_and(|left_out| left_out < limit);
+            self.fit(&variant).filter(|_| is_as_good)
+        }) {
+            best = smaller;
+        }
+        best
+    }
+
+    /// Forms with less of one part, the least first.
+    fn smaller(&self, variant: &Variant) -> Vec<Variant> {
+        let mut smaller = Vec::new();
+        let below = [Drift::None, Drift::Offset, Drift::Line].into_iter().filter(|drift| *drift < variant.drift);
+        smaller.extend(below.map(|drift| Variant { drift, ..variant.clone() }));
+        let below = [Gap::None, Gap::Constant].into_iter().filter(|gap| *gap < variant.gap);
+        smaller.extend(below.map(|gap| Variant { gap, ..variant.clone() }));
+        let mut means = match &variant.mean {
+            Mean::Offset => Vec::new(),
+            Mean::Line => vec![Mean::Offset],
+            Mean::Waves(_) | Mean::Map => vec![Mean::Offset, Mean::Line],
+        };
+        if variant.mean == Mean::Map {
+            let gap = if self.has_both_ways { Gap::Constant } else { Gap::None };
+            let mut periods = Vec::new();
+            for _ in 0..MAX_WAVES {
+                let wave = wave::with_wave(self.grid, self.samples, gap, &periods);
+                let Some(Variant { mean: Mean::Waves(found), .. }) = wave else { break };
+                means.push(Mean::Waves(found.clone()));
+                periods = found;
+            }
+        }
+        smaller.extend(means.into_iter().map(|mean| Variant { mean, ..variant.clone() }));
+        smaller
+    }
+
+    /// Whether a drift that is new follows the clock more than runs differ from each other by chance. Their offsets, and their slopes of a
+    /// straight line, are what tells: the readings of one run are no independent witnesses.
+    fn is_trend(&self, before: &Fit, after: &Fit) -> bool {
+        let new = after.variant.drift;
+        if new == before.variant.drift || new == Drift::Map {
+            return true;
+        }
+        let lines = if new == Drift::Line { 2 } else { 1 };
+        let chance = MAX_TREND_CHANCE / f64::from(lines);
+        let without = Variant { drift: Drift::None, ..after.variant.clone() };
+        let Some(fit) = self.fit(&without) else { return false };
+        (0..lines).any(|line| self.trend_exceeds(&fit, line == 1, chance))
+    }
+
+    /// Whether the offsets of the runs, or their slopes, follow the course, tested by Student's t.
+    fn trend_exceeds(&self, fit: &Fit, is_slope: bool, chance: f64) -> bool {
+        let weight = |index: usize| {
+            if is_slope { self.samples.places[index].position_mm - self.grid.middle_mm() } else { 1.0 }
+        };
+        let of_run = |run: &usize| {
+            let indices: Vec<usize> =
+                (0..self.samples.runs.len()).filter(|&index| self.samples.runs[index] == *run).collect();
+            let squares: f64 = indices.iter().map(|&index| weight(index).powi(2)).sum();
+            let product: f64 = indices.iter().map(|&index| weight(index) * fit.residuals_um[index]).sum();
+            let course = indices.iter().map(|&index| self.grid.drift_factor(self.samples.places[index].instant));
+            (numerics::mean(course), product / squares.max(f64::MIN_POSITIVE))
+        };
+        let (courses, values): (Vec<f64>, Vec<f64>) = self.runs.iter().map(of_run).unzip();
+        let centred = |values: &[f64]| {
+            let mean = numerics::mean(values.iter().copied());
+            DVector::from_iterator(values.len(), values.iter().map(|value| value - mean))
+        };
+        let (x, y) = (centred(&courses), centred(&values));
+        let slope = x.dot(&y) / x.norm_squared();
+        let left = self.runs.len() - 2;
+        let error = ((&y - slope * &x).norm_squared() / left as f64 / x.norm_squared()).sqrt();
+        slope.abs() > student_t_beyond(chance, left) * error
+    }
+}
+
+/// Whether a larger form explains more than chance does, by an F test.
+fn is_more_than_chance(before: &Fit, after: &Fit) -> bool {
+    let more = before.freedom - after.freedom;
+    if after.freedom < 1.0 || more <= 0.0 {
+        return false;
+    }
+    let reduction = (before.squares() - after.squares()) / more;
+    let left = after.squares() / after.freedom;
+    let f = if left > 0.0 { reduction / left } else { f64::INFINITY };
+    reduction > 0.0 && (f.is_infinite() || f_test_p_value(f, whole(more), whole(after.freedom)) < MAX_CHANCE)
+}
+
+/// The course of the drift in the samples, and the 95 % interval of its time constant if both ends are known.
+#[must_use]
+pub fn course(samples: &Samples, knots_mm: &[f64], has_both_ways: bool, span: [f64; 2]) -> (Course, Option<[f64; 2]>) {
+    let runs = samples.distinct_runs().len();
+    if runs < MIN_DRIFT_RUNS || span[0] >= span[1] {
+        return (Course { time_constant: None, span: [span[0], span[1].max(span[0] + 1.0)] }, None);
+    }
+    drift::course(samples, knots_mm, has_both_ways, (span, runs))
+}
