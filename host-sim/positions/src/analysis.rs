@@ -52,6 +52,19 @@ pub struct Residual {
     pub left_out: Option<f64>,
 }
 
+/// What the effects leave of a reading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Left {
+    /// Target, mm.
+    pub target_mm: f64,
+    /// +1 or −1: direction of the approach.
+    pub sign: f64,
+    /// What is left, µm.
+    pub um: f64,
+    /// Whether the reading took part in the fit.
+    pub is_fitted: bool,
+}
+
 /// The result.
 #[derive(Clone, Debug)]
 pub struct Analysis {
@@ -75,6 +88,8 @@ pub struct Analysis {
     pub effects: Vec<Effect>,
     /// The residual.
     pub residual: Residual,
+    /// What the effects leave of each reading, those of the fitted runs first.
+    pub left: Vec<Left>,
     /// Standard deviation of what no model takes, µm; `None` without degrees of freedom.
     pub scatter_um: Option<f64>,
     /// What was assumed, changed and left out, a sentence each.
@@ -113,6 +128,8 @@ pub fn analyse(test: Test, validate: Vec<Test>, options: &Options) -> Result<Ana
     let held = together(held);
     set_reductions(&mut effects, &chosen.fit, &grid, &held);
     let residual = residual(&search, &chosen, &samples, &held);
+    let left =
+        left(&chosen.fit, &grid, &samples, true).chain(left(&chosen.fit, &grid, &held, false)).collect();
     for other in &validate {
         notes.extend(other.notes.iter().cloned());
     }
@@ -121,7 +138,21 @@ pub fn analyse(test: Test, validate: Vec<Test>, options: &Options) -> Result<Ana
     let (figures, figure_notes) = figures(&positions);
     let scatter_um = chosen.fit.scatter_um();
     let axis = options.axis.clone();
-    Ok(Analysis { test, validate, positions, figures, figure_notes, axis, grid, fit: chosen.fit, effects, residual, scatter_um, notes })
+    Ok(Analysis {
+        test,
+        validate,
+        positions,
+        figures,
+        figure_notes,
+        axis,
+        grid,
+        fit: chosen.fit,
+        effects,
+        residual,
+        left,
+        scatter_um,
+        notes,
+    })
 }
 
 impl Samples {
@@ -150,7 +181,8 @@ impl Samples {
 /// The numbers of the runs if they rise, otherwise their order.
 fn run_instants(test: &Test) -> Vec<f64> {
     let numbers = &test.run_numbers;
-    let rises = numbers.iter().all(|number| number.is_finite()) && numbers.windows(2).all(|pair| pair[0] < pair[1]);
+    let rises =
+        numbers.iter().all(|number| number.is_finite()) && numbers.windows(2).all(|pair| pair[0] < pair[1]);
     if rises { numbers.clone() } else { (1..=numbers.len()).map(|count| count as f64).collect() }
 }
 
@@ -208,6 +240,21 @@ fn resolution_note(grid: &Grid) -> Option<String> {
 /// Errors of a fit at samples, µm.
 fn errors<'a>(fit: &'a Fit, grid: &'a Grid, samples: &'a Samples) -> impl Iterator<Item = f64> + 'a {
     samples.places.iter().zip(&samples.deviations_um).map(|(place, um)| um - fit.at(grid, place))
+}
+
+fn left<'a>(
+    fit: &'a Fit,
+    grid: &'a Grid,
+    samples: &'a Samples,
+    is_fitted: bool,
+) -> impl Iterator<Item = Left> + 'a {
+    let of = move |(place, um): (&Place, f64)| Left {
+        target_mm: place.position_mm,
+        sign: place.sign,
+        um,
+        is_fitted,
+    };
+    samples.places.iter().zip(errors(fit, grid, samples)).map(of)
 }
 
 fn set_reductions(effects: &mut [Effect], fit: &Fit, grid: &Grid, held: &Samples) {

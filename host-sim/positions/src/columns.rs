@@ -158,7 +158,11 @@ fn lack(role: Role, header: &Row, found: &[(Role, usize)], source: &str) -> Inpu
     let free: Vec<&str> =
         header.cells.iter().enumerate().filter(is_free).map(|(_, cell)| cell.as_str()).collect();
     let name = role.name();
-    let expected = if role == Role::Measured { "a column measured_mm or deviation_um".to_owned() } else { format!("a column {name}") };
+    let expected = if role == Role::Measured {
+        "a column measured_mm or deviation_um".to_owned()
+    } else {
+        format!("a column {name}")
+    };
     let near = likely(name, free.iter().copied());
     let advice = near.map_or(String::new(), |near| format!("; is it {}? --map {name}={near}", quoted(near)));
     let found = format!("the columns {}{advice}", listed(header.cells.iter()));
@@ -183,8 +187,8 @@ fn factor(role: Role, cell: &str, request: &Request, source: &str) -> Result<f64
     let Some(unit) = asked.or(told) else { return Ok(1.0) };
     let place = if asked.is_some() { "--unit" } else { source };
     let factor = quantity.factor(unit);
-    let factor =
-        factor.ok_or_else(|| InputError::expected(place, quantity.allowed(), quoted(unit)).at_key(role.name()))?;
+    let factor = factor
+        .ok_or_else(|| InputError::expected(place, quantity.allowed(), quoted(unit)).at_key(role.name()))?;
     Ok(scale * factor)
 }
 

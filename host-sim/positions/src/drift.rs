@@ -47,15 +47,15 @@ pub fn course(
     }
     let t = student_t_975(whole(freedom));
     let limit = least.min(line) * (1.0 + t * t / freedom);
-    let within: Vec<f64> = tried.iter().filter(|(_, squares)| *squares <= limit).map(|(constant, _)| *constant).collect();
+    let within: Vec<f64> =
+        tried.iter().filter(|(_, squares)| *squares <= limit).map(|(constant, _)| *constant).collect();
     let ends = within.first().copied().zip(within.last().copied());
     let is_bounded = line > limit && tried.first().is_some_and(|(_, squares)| *squares > limit);
     match ends.filter(|_| is_bounded) {
         Some((low, high)) => (Course { time_constant: Some(best), span }, Some([low, high])),
         None => {
-            let is_contradicted = unknown.time_constant.is_some_and(|constant| {
-                ends.is_none_or(|(low, _)| constant < low)
-            });
+            let is_contradicted =
+                unknown.time_constant.is_some_and(|constant| ends.is_none_or(|(low, _)| constant < low));
             (if is_contradicted { Course { time_constant: None, span } } else { unknown }, None)
         }
     }

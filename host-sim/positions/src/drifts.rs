@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use files::format::{significant, signed};
+use files::format::{signed, significant};
 
 use super::course::Clock;
 use super::effect::{Effect, Parameter};
@@ -28,7 +28,8 @@ fn uniform(source: &Source<'_>) -> Option<Effect> {
     let found = source.value(&source.weights(&columns, &row));
     let part = found.0 * source.weights(&columns, &of_one);
     let timed = timed(source, found);
-    let name = if source.clock == Clock::Seconds && timed.is_none() { "thermal_rate" } else { "thermal_drift" };
+    let name =
+        if source.clock == Clock::Seconds && timed.is_none() { "thermal_rate" } else { "thermal_drift" };
     let mut effect = source.effect(name, found.0.abs(), part).with_rivals(["laser_drift"]);
     match (source.clock, timed) {
         (Clock::Seconds, Some(amplitude)) => {
@@ -47,7 +48,8 @@ fn uniform(source: &Source<'_>) -> Option<Effect> {
             effect.parameters.extend(time_constant(source).map(|constant| ("time_constant_runs", constant)));
         }
     }
-    effect.sentence = format!("all positions move by {} µm from the first run to the last", signed(found.0, 3));
+    effect.sentence =
+        format!("all positions move by {} µm from the first run to the last", signed(found.0, 3));
     is_there(found).then_some(effect)
 }
 
@@ -90,8 +92,10 @@ fn over_position(source: &Source<'_>) -> Option<Effect> {
     let mut effect = source.effect("drift_map", um, part);
     effect.parameters.insert("positions_mm", source.knots());
     effect.parameters.insert("change_um", Parameter::list(values, &half_widths));
-    effect.sentence =
-        format!("the curve over position changes by {} µm from the first run to the last", significant(um, 3));
+    effect.sentence = format!(
+        "the curve over position changes by {} µm from the first run to the last",
+        significant(um, 3)
+    );
     Some(effect)
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use files::format::{significant, signed};
+use files::format::{signed, significant};
 
 use super::course::Clock;
 use super::effect::{Certainty, Effect, Parameter};
@@ -154,7 +154,8 @@ fn slope(source: &Source<'_>) -> Option<Effect> {
     let part = found.0 * source.weights(&columns, &of_one);
     let um = found.0.abs() * source.travel_m();
     is_there(found).then(|| {
-        let mut effect = source.effect("pitch_progressive", um, part).with_rivals(source.of_scale("scale_gain"));
+        let mut effect =
+            source.effect("pitch_progressive", um, part).with_rivals(source.of_scale("scale_gain"));
         effect.parameters.insert("slope_um_per_m", Parameter::number(found.0, found.1));
         effect.sentence = format!("the axis moves {} µm/m more than it is sent", signed(found.0, 3));
         effect
@@ -260,7 +261,9 @@ fn waves(source: &Source<'_>) -> Vec<Effect> {
         let mut effect =
             source.effect("pitch_cyclic", 2.0 * amplitude_um, part).with_rivals(rivals.into_iter().flatten());
         effect.parameters.insert("amplitude_um", Parameter::number(amplitude_um, half_um));
-        effect.parameters.insert("period_mm", Parameter::number(*period_mm, period_half_mm(source, *period_mm, half_rad)));
+        effect
+            .parameters
+            .insert("period_mm", Parameter::number(*period_mm, period_half_mm(source, *period_mm, half_rad)));
         let phase_half_rad = half_rad * from_zero(source);
         effect.parameters.insert("phase_rad", Parameter::number(cosine.atan2(sine), phase_half_rad));
         effect.aliases_mm = aliases_mm;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use numerics::distributions::student_t_975;
+use numerics::distributions::{f_test_p_value, student_t_975};
 
 use super::variant::{Drift, Grid, Place, Variant};
 
@@ -58,6 +58,9 @@ pub struct Fit {
     scores: DMatrix<f64>,
     runs: usize,
 }
+
+/// Probability by chance below which runs count as different from each other.
+const MAX_CHANCE: f64 = 0.05;
 
 /// Relative addition to the diagonal: coefficients of which no sample tells are zero.
 const LEAST: f64 = 1e-9;
@@ -120,22 +123,24 @@ impl Fit {
         self.inverse.view((columns.start, columns.start), (columns.len(), columns.len())).into_owned()
     }
 
-    /// Half width of the 95 % interval of a combination of the coefficients: the larger of that of independent readings, and that of
-    /// runs of which the readings depend on each other. NaN without degrees of freedom.
+    /// Half width of the 95 % interval of a combination of the coefficients; NaN without degrees of freedom. Readings count as
+    /// independent, unless runs differ by more than that makes likely: then the runs are the witnesses, not the readings.
     #[must_use]
     pub fn half_width(&self, weights: &DVector<f64>) -> f64 {
         let Some(scatter_um) = self.scatter_um() else { return f64::NAN };
         let spread = &self.inverse * weights;
-        let independent = scatter_um * weights.dot(&spread).max(0.0).sqrt();
-        let half = student_t_975(whole(self.freedom)) * independent;
+        let independent = scatter_um * scatter_um * weights.dot(&spread).max(0.0);
+        let freedom = whole(self.freedom);
         let drifts = usize::from(self.variant.drift != Drift::None);
         let left = self.runs.saturating_sub(1 + drifts);
-        if left == 0 {
-            return half;
+        if left > 0 {
+            let factor = self.runs as f64 / left as f64;
+            let of_runs = factor * spread.dot(&(&self.scores * &spread)).max(0.0);
+            if of_runs > independent && f_test_p_value(of_runs / independent, left, freedom) < MAX_CHANCE {
+                return student_t_975(left) * of_runs.sqrt();
+            }
         }
-        let factor = self.runs as f64 / left as f64;
-        let of_runs = (factor * spread.dot(&(&self.scores * &spread)).max(0.0)).sqrt();
-        half.max(student_t_975(left) * of_runs)
+        student_t_975(freedom) * independent.sqrt()
     }
 }
 

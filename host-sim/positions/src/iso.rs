@@ -168,6 +168,11 @@ fn range(values: Vec<f64>) -> f64 {
     numerics::peak_to_peak(values)
 }
 
+/// A position with all its digits.
+fn printed(mm: f64) -> String {
+    mm.to_string().replace('-', "−")
+}
+
 /// Why figures are not given, and what is not as the standard asks.
 fn lines(positions: &[Position]) -> Vec<String> {
     const APPROACHES: usize = 5;
@@ -185,12 +190,14 @@ fn lines(positions: &[Position]) -> Vec<String> {
             ));
         } else if let Some(mm) = at(&|count| count == 0) {
             lines.push(format!(
-                "No approach to {mm} mm in {} direction: A, E, M, R, B, B̄, A{arrow}, E{arrow} and R{arrow} are not given.",
+                "No approach to {} mm in {} direction: A, E, M, R, B, B̄, A{arrow}, E{arrow} and R{arrow} are not given.",
+                printed(mm),
                 way.word()
             ));
         } else if let Some(mm) = at(&|count| count == 1) {
             lines.push(format!(
-                "One approach to {mm} mm in {} direction, which has no standard deviation: A, R, A{arrow} and R{arrow} are not given.",
+                "One approach to {} mm in {} direction, which has no standard deviation: A, R, A{arrow} and R{arrow} are not given.",
+                printed(mm),
                 way.word()
             ));
         }
@@ -198,7 +205,9 @@ fn lines(positions: &[Position]) -> Vec<String> {
     let all = || (0..2).flat_map(counts).filter(|count| *count > 0);
     let (fewest, most) = (all().min().unwrap_or(0), all().max().unwrap_or(0));
     if fewest != most {
-        lines.push(format!("The targets have {fewest} to {most} approaches each: ISO 230-2 asks for as many at each."));
+        lines.push(format!(
+            "The targets have {fewest} to {most} approaches each: ISO 230-2 asks for as many at each."
+        ));
     } else if most < APPROACHES {
         lines.push(format!(
             "{most} approach{} to each target in each direction: ISO 230-2 asks for {APPROACHES}.",

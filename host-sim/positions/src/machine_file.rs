@@ -5,7 +5,8 @@ use indexmap::IndexMap;
 use files::error::{InputError, quoted};
 use model::axis::Settings;
 use model::effects::{
-    Backlash, Effect, GrowingPart, PitchCyclic, PitchMap, PitchProgressive, ThermalDrift, ThermalGrowth, ThermalRate,
+    Backlash, Effect, GrowingPart, PitchCyclic, PitchMap, PitchProgressive, ThermalDrift, ThermalGrowth,
+    ThermalRate,
 };
 use model::machine::{Axis, Machine};
 
@@ -20,7 +21,10 @@ const RATE_HZ: f64 = 1000.0;
 ///
 /// # Errors
 /// If the declared machine has no such axis.
-pub fn of(analysis: &Analysis, declared: Option<(Machine, &str)>) -> Result<(Machine, Vec<String>), InputError> {
+pub fn of(
+    analysis: &Analysis,
+    declared: Option<(Machine, &str)>,
+) -> Result<(Machine, Vec<String>), InputError> {
     let mut notes = Vec::new();
     let effects = effects(analysis, &mut notes);
     let name = &analysis.axis;
@@ -42,7 +46,8 @@ pub fn of(analysis: &Analysis, declared: Option<(Machine, &str)>) -> Result<(Mac
     };
     let names: Vec<&str> = machine.axis.keys().map(String::as_str).collect();
     let expected = format!("an axis of {file}: {}", names.join(", "));
-    let axis = machine.axis.get_mut(name).ok_or_else(|| InputError::expected("--axis", expected, quoted(name)))?;
+    let axis =
+        machine.axis.get_mut(name).ok_or_else(|| InputError::expected("--axis", expected, quoted(name)))?;
     // Two effects of a kind that may be there once would be refused.
     axis.effect.retain(|old| effects.iter().all(|new| new.name() != old.name()));
     axis.effect.extend(effects);
@@ -57,7 +62,9 @@ fn effects(analysis: &Analysis, notes: &mut Vec<String>) -> Vec<Effect> {
         match known(found, is_reversed) {
             Some(effect) => effects.push(effect),
             None if is_reversed && matches!(found.name, "backlash" | "pitch_map") => {}
-            None => notes.push(format!("Not in the model: {}, {}.", super::text::title(found), why(found.name))),
+            None => {
+                notes.push(format!("Not in the model: {}, {}.", super::text::title(found), why(found.name)))
+            }
         }
     }
     if is_reversed {
@@ -115,7 +122,8 @@ fn reversed(analysis: &Analysis) -> Effect {
     let knots = analysis.grid.knots_mm.len();
     let map = analysis.effects.iter().find(|effect| effect.name == "pitch_map");
     let positive = map.and_then(|map| map.list("error_um")).map_or_else(|| vec![0.0; knots], <[f64]>::to_vec);
-    let negative = map.and_then(|map| map.list("error_negative_um")).map_or_else(|| positive.clone(), <[f64]>::to_vec);
+    let negative =
+        map.and_then(|map| map.list("error_negative_um")).map_or_else(|| positive.clone(), <[f64]>::to_vec);
     let gap_um: f64 = analysis.effects.iter().filter_map(|effect| effect.signed_um).sum();
     let moved = |values: Vec<f64>, um: f64| values.into_iter().map(|value| value + um).collect::<Vec<_>>();
     Effect::PitchMap(PitchMap {

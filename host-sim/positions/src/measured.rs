@@ -111,7 +111,8 @@ impl Test {
     /// The deviations of each run in each direction that has any.
     fn passes(&self) -> Vec<Vec<f64>> {
         let of = |run: usize, way: Way| -> Vec<f64> {
-            let of_pass = self.readings.iter().filter(move |reading| reading.run == run && reading.way == way);
+            let of_pass =
+                self.readings.iter().filter(move |reading| reading.run == run && reading.way == way);
             of_pass.map(|reading| reading.deviation_um).collect()
         };
         let all = (0..self.runs()).flat_map(|run| Way::BOTH.map(|way| of(run, way)));

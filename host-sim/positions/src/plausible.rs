@@ -17,7 +17,11 @@ const MAX_FAR: f64 = 0.1;
 ///
 /// # Errors
 /// Numbers that are neither positions in a known unit nor near their targets.
-pub(crate) fn in_millimetres(raw: &mut Vec<Raw>, source: &str, notes: &mut Vec<String>) -> Result<(), InputError> {
+pub(crate) fn in_millimetres(
+    raw: &mut Vec<Raw>,
+    source: &str,
+    notes: &mut Vec<String>,
+) -> Result<(), InputError> {
     let Some(factor) = per_target(raw) else { return Ok(()) };
     let is_near = |expected: f64| (factor / expected - 1.0).abs() < NEAR;
     let (name, unit, to_mm) = match () {
@@ -35,8 +39,11 @@ pub(crate) fn in_millimetres(raw: &mut Vec<Raw>, source: &str, notes: &mut Vec<S
     };
     if !name.is_empty() {
         let line = raw.first().map_or(0, |reading| reading.line);
-        let says = if unit.is_empty() { String::new() } else { format!("; --unit measured_mm={unit} says so") };
-        notes.push(format!("{source}: from line {line}: measured_mm: the numbers are {name}, and taken as such{says}."));
+        let says =
+            if unit.is_empty() { String::new() } else { format!("; --unit measured_mm={unit} says so") };
+        notes.push(format!(
+            "{source}: from line {line}: measured_mm: the numbers are {name}, and taken as such{says}."
+        ));
     }
     for reading in raw.iter_mut() {
         reading.value = to_mm * reading.value - reading.target_mm;
@@ -61,9 +68,12 @@ fn of_deviations(raw: &[Raw], source: &str) -> InputError {
     const MAX_MM: f64 = 0.5;
     let greatest = numerics::max_abs(raw.iter().map(|reading| reading.value));
     let unit = if greatest > MAX_MM { "" } else { " --unit deviation_um=mm" };
-    InputError::expected(source, "positions that follow the targets", "deviations").at_key("measured_mm").with_advice(
-        &format!("deviations in {} are read with --map deviation_um=THEIRS{unit}", if unit.is_empty() { "µm" } else { "mm" }),
-    )
+    InputError::expected(source, "positions that follow the targets", "deviations")
+        .at_key("measured_mm")
+        .with_advice(&format!(
+            "deviations in {} are read with --map deviation_um=THEIRS{unit}",
+            if unit.is_empty() { "µm" } else { "mm" }
+        ))
 }
 
 /// Takes single readings in µm as such, leaves out those far from their target, and the zero of the laser.
@@ -73,7 +83,8 @@ fn near_targets(raw: &mut Vec<Raw>, source: &str, notes: &mut Vec<String>) -> Re
     let travel_mm = numerics::peak_to_peak(targets.iter().copied());
     let steps = targets.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-3 * travel_mm);
     let far_mm = FAR * numerics::min(steps).min(travel_mm);
-    let zero_mm = numerics::median(&raw.iter().map(|reading| reading.value).collect::<Vec<_>>()).unwrap_or(0.0);
+    let zero_mm =
+        numerics::median(&raw.iter().map(|reading| reading.value).collect::<Vec<_>>()).unwrap_or(0.0);
     if zero_mm.abs() > far_mm {
         notes.push(format!(
             "{source}: the zero of measured_mm is {zero_mm:.4} mm from that of target_mm; this is left out of the deviations."
@@ -84,7 +95,10 @@ fn near_targets(raw: &mut Vec<Raw>, source: &str, notes: &mut Vec<String>) -> Re
     for (index, reading) in raw.iter_mut().enumerate().filter(|(_, reading)| reading.value.abs() > far_mm) {
         let as_um = 1e-3 * (reading.value + reading.target_mm) - reading.target_mm;
         if as_um.abs() < far_mm && reading.target_mm.abs() > far_mm {
-            notes.push(format!("{source}: line {}: measured_mm: a number in µm, taken as such.", reading.line));
+            notes.push(format!(
+                "{source}: line {}: measured_mm: a number in µm, taken as such.",
+                reading.line
+            ));
             reading.value = as_um;
         } else {
             far.push((index, reading.line, reading.value));

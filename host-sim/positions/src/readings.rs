@@ -36,7 +36,12 @@ pub(crate) struct Raw {
 ///
 /// # Errors
 /// No rows, columns that are missing, more than a quarter of the lines that are no reading, readings that are not near the targets.
-pub fn of_text(text: &str, source: &str, request: &Request, mut notes: Vec<String>) -> Result<Test, InputError> {
+pub fn of_text(
+    text: &str,
+    source: &str,
+    request: &Request,
+    mut notes: Vec<String>,
+) -> Result<Test, InputError> {
     let Some(rows) = Rows::of(text) else {
         let first = text.lines().find(|line| !line.trim().is_empty());
         let found = first.map_or_else(|| "an empty file".to_owned(), quoted);
@@ -73,7 +78,11 @@ type Refused = (&'static str, String, String);
 
 fn read(row: &Row, rows: &Rows, columns: &[Column]) -> Result<Raw, Refused> {
     if row.cells.len() != rows.width {
-        return Err(("", format!("{} values as in the other lines", rows.width), row.cells.len().to_string()));
+        return Err((
+            "",
+            format!("{} values as in the other lines", rows.width),
+            row.cells.len().to_string(),
+        ));
     }
     let column = |role: Role| columns.iter().find(|column| column.role == role);
     let value = |role: Role| -> Result<Option<f64>, Refused> {
@@ -123,7 +132,9 @@ fn infer_ways(raw: &mut [Raw], notes: &mut Vec<String>) {
     if raw.iter().all(|reading| reading.way.is_some()) {
         return;
     }
-    notes.push("The file has no approaches: they are taken from the order of the targets in each run.".to_owned());
+    notes.push(
+        "The file has no approaches: they are taken from the order of the targets in each run.".to_owned(),
+    );
     let steps: Vec<f64> = (0..raw.len())
         .map(|i| {
             let step = |from: usize, to: usize| match (raw.get(from), raw.get(to)) {
@@ -165,7 +176,8 @@ fn assembled(raw: Vec<Raw>, source: &str, notes: Vec<String>) -> Test {
 fn broken_off(mut test: Test) -> Test {
     let of_run = |run: usize| test.readings.iter().filter(move |reading| reading.run == run);
     let counts: Vec<usize> = (0..test.runs()).map(|run| of_run(run).count()).collect();
-    let usual = numerics::median(&counts.iter().map(|count| *count as f64).collect::<Vec<_>>()).unwrap_or(0.0);
+    let usual =
+        numerics::median(&counts.iter().map(|count| *count as f64).collect::<Vec<_>>()).unwrap_or(0.0);
     let mut notes = Vec::new();
     for (run, count) in counts.iter().enumerate().filter(|(_, count)| (**count as f64) < usual) {
         let last = of_run(run).last().map_or(0, |reading| reading.line);

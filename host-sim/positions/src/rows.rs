@@ -30,12 +30,8 @@ pub struct Rows {
 const MIN_CELLS: usize = 3;
 
 /// Separators, of which the one with the most rows is taken; of several, the one with the most cells.
-const SEPARATORS: [Separator; 4] = [
-    Separator::Character('\t'),
-    Separator::Character(';'),
-    Separator::Character(','),
-    Separator::Space,
-];
+const SEPARATORS: [Separator; 4] =
+    [Separator::Character('\t'), Separator::Character(';'), Separator::Character(','), Separator::Space];
 
 impl Rows {
     /// The rows of a text; `None` if no separator makes rows of three cells.
@@ -88,8 +84,11 @@ fn has_decimal_comma(separator: Separator, rows: &[Row]) -> bool {
     let with_comma = Dialect { separator, has_decimal_comma: true };
     let cells = || rows.iter().flat_map(|row| &row.cells);
     let is_number = |cell: &&String| cell.contains(',') && number(with_comma, cell).is_some();
-    let is_point = |cell: &&String| cell.contains('.') && number(Dialect { separator, has_decimal_comma: false }, cell).is_some();
-    separator != Separator::Character(',') && cells().filter(is_number).count() > cells().filter(is_point).count()
+    let is_point = |cell: &&String| {
+        cell.contains('.') && number(Dialect { separator, has_decimal_comma: false }, cell).is_some()
+    };
+    separator != Separator::Character(',')
+        && cells().filter(is_number).count() > cells().filter(is_point).count()
 }
 
 /// The finite number in a cell, with − for a minus sign as well.
@@ -113,7 +112,11 @@ mod tests {
             ("run approach target_mm measured_mm\n1 + 0.5 0.51\n1 - 0.5 0.52\n", false),
         ] {
             let rows = Rows::of(text).unwrap();
-            assert_eq!((rows.width, rows.rows.len(), rows.dialect.has_decimal_comma), (4, 2, commas), "{text}");
+            assert_eq!(
+                (rows.width, rows.rows.len(), rows.dialect.has_decimal_comma),
+                (4, 2, commas),
+                "{text}"
+            );
             assert_eq!(rows.header.unwrap().cells[0], "run");
             assert_eq!((number(rows.dialect, &rows.rows[0].cells[2]), rows.rows[1].line), (Some(0.5), 3));
         }

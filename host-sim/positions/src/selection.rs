@@ -57,7 +57,8 @@ impl<'a> Search<'a> {
     #[must_use]
     pub fn new(samples: &'a Samples, grid: &'a Grid, has_both_ways: bool) -> Self {
         let runs = samples.distinct_runs();
-        let ridge = (runs.len() >= MIN_DRIFT_RUNS).then(|| drift::ridge(samples, grid, has_both_ways)).flatten();
+        let ridge =
+            (runs.len() >= MIN_DRIFT_RUNS).then(|| drift::ridge(samples, grid, has_both_ways)).flatten();
         Self { samples, grid, has_both_ways, ridge, runs }
     }
 
@@ -83,7 +84,8 @@ impl<'a> Search<'a> {
             let others = self.samples.of_runs(|other| other != *run);
             let fit = self.fit_to(variant, &others)?;
             let held = self.samples.of_runs(|other| other == *run);
-            let errors = held.places.iter().zip(&held.deviations_um).map(|(place, um)| um - fit.at(self.grid, place));
+            let errors =
+                held.places.iter().zip(&held.deviations_um).map(|(place, um)| um - fit.at(self.grid, place));
             squares += errors.map(|error| error * error).sum::<f64>();
         }
         Some(squares / self.samples.runs.len() as f64)
@@ -135,16 +137,25 @@ impl<'a> Search<'a> {
         }
         if variant.mean != Mean::Map {
             let gap = if self.has_both_ways { Gap::Constant } else { Gap::None };
-            let wave = (periods.len() < MAX_WAVES).then(|| wave::with_wave(self.grid, self.samples, gap, &periods));
+            let wave =
+                (periods.len() < MAX_WAVES).then(|| wave::with_wave(self.grid, self.samples, gap, &periods));
             if let Some(wave) = wave.flatten() {
                 with_mean(wave.mean);
             }
             with_mean(Mean::Map);
         }
-        let gaps = [Gap::Constant, Gap::Map].into_iter().filter(|gap| self.has_both_ways && *gap > variant.gap);
-        larger.extend(gaps.map(|gap| Variant { gap, ..variant.clone() }));
+        let gaps: Vec<Gap> = [Gap::Constant, Gap::Map]
+            .into_iter()
+            .filter(|gap| self.has_both_ways && *gap > variant.gap)
+            .collect();
+        // A gap may stand out only with the curve over position taken off, and the curve only with the gap.
+        let both = larger.clone().into_iter().chain([variant.clone()]);
+        let with_gap =
+            both.flat_map(|with| gaps.iter().map(move |gap| Variant { gap: *gap, ..with.clone() }));
+        larger.extend(with_gap.collect::<Vec<_>>());
         if self.runs.len() >= MIN_DRIFT_RUNS {
-            let drifts = [Drift::Offset, Drift::Line, Drift::Map].into_iter().filter(|drift| *drift > variant.drift);
+            let drifts =
+                [Drift::Offset, Drift::Line, Drift::Map].into_iter().filter(|drift| *drift > variant.drift);
             larger.extend(drifts.map(|drift| Variant { drift, ..variant.clone() }));
         }
         larger
@@ -152,7 +163,9 @@ impl<'a> Search<'a> {
 
     /// Simpler forms of each part in turn, as long as runs left out are predicted as well.
     fn simplified(&self, mut best: Fit) -> Fit {
-        let Some(limit) = self.left_out(&best.variant).map(|left_out| (1.0 + MAX_RISE) * left_out) else { return best };
+        let Some(limit) = self.left_out(&best.variant).map(|left_out| (1.0 + MAX_RISE) * left_out) else {
+            return best;
+        };
         while let Some(smaller) = self.smaller(&best.variant).into_iter().find_map(|variant| {
             let is_as_good = self.left_out(&variant).is_some_and(|left_out| left_out < limit);
             self.fit(&variant).filter(|_| is_as_good)
@@ -165,7 +178,8 @@ impl<'a> Search<'a> {
     /// Forms with less of one part, the least first.
     fn smaller(&self, variant: &Variant) -> Vec<Variant> {
         let mut smaller = Vec::new();
-        let below = [Drift::None, Drift::Offset, Drift::Line].into_iter().filter(|drift| *drift < variant.drift);
+        let below =
+            [Drift::None, Drift::Offset, Drift::Line].into_iter().filter(|drift| *drift < variant.drift);
         smaller.extend(below.map(|drift| Variant { drift, ..variant.clone() }));
         let below = [Gap::None, Gap::Constant].into_iter().filter(|gap| *gap < variant.gap);
         smaller.extend(below.map(|gap| Variant { gap, ..variant.clone() }));
@@ -212,7 +226,8 @@ impl<'a> Search<'a> {
                 (0..self.samples.runs.len()).filter(|&index| self.samples.runs[index] == *run).collect();
             let squares: f64 = indices.iter().map(|&index| weight(index).powi(2)).sum();
             let product: f64 = indices.iter().map(|&index| weight(index) * fit.residuals_um[index]).sum();
-            let course = indices.iter().map(|&index| self.grid.drift_factor(self.samples.places[index].instant));
+            let course =
+                indices.iter().map(|&index| self.grid.drift_factor(self.samples.places[index].instant));
             (numerics::mean(course), product / squares.max(f64::MIN_POSITIVE))
         };
         let (courses, values): (Vec<f64>, Vec<f64>) = self.runs.iter().map(of_run).unzip();
@@ -242,7 +257,12 @@ fn is_more_than_chance(before: &Fit, after: &Fit) -> bool {
 
 /// The course of the drift in the samples, and the 95 % interval of its time constant if both ends are known.
 #[must_use]
-pub fn course(samples: &Samples, knots_mm: &[f64], has_both_ways: bool, span: [f64; 2]) -> (Course, Option<[f64; 2]>) {
+pub fn course(
+    samples: &Samples,
+    knots_mm: &[f64],
+    has_both_ways: bool,
+    span: [f64; 2],
+) -> (Course, Option<[f64; 2]>) {
     let runs = samples.distinct_runs().len();
     if runs < MIN_DRIFT_RUNS || span[0] >= span[1] {
         return (Course { time_constant: None, span: [span[0], span[1].max(span[0] + 1.0)] }, None);

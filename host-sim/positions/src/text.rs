@@ -1,6 +1,6 @@
 //! The result for a terminal: a sentence, the figures, the effects, and what was assumed.
 
-use files::format::{fixed, significant, signed};
+use files::format::{fixed, signed, significant};
 
 use super::Analysis;
 use super::analysis::FitValidate;
@@ -35,7 +35,9 @@ pub fn sentence(analysis: &Analysis) -> String {
     let whole = match (analysis.figures.accuracy, analysis.figures.systematic) {
         (Some(um), _) => format!("Axis {axis} positions with A = {} µm", significant(um, 3)),
         (None, Some(um)) => format!("Axis {axis} positions with E = {} µm", significant(um, 3)),
-        (None, None) => format!("Axis {axis} is {} µm rms off its targets", significant(residual.before.fit, 3)),
+        (None, None) => {
+            format!("Axis {axis} is {} µm rms off its targets", significant(residual.before.fit, 3))
+        }
     };
     let largest_um = analysis.effects.first().map_or(0.0, |effect| effect.um);
     let mentioned = analysis.effects.iter().filter(|effect| effect.um >= MENTIONED * largest_um);
@@ -68,7 +70,12 @@ pub fn figures(analysis: &Analysis) -> Vec<String> {
         line("accuracy A", f.accuracy, f.accuracy_positive, f.accuracy_negative),
         line("systematic deviation E", f.systematic, f.systematic_positive, f.systematic_negative),
         line("repeatability R", f.repeatability, f.repeatability_positive, f.repeatability_negative),
-        format!("mean deviation's range M = {}, reversal B = {}, its mean B̄ = {}", um(f.mean_range), um(f.reversal), um(f.mean_reversal)),
+        format!(
+            "mean deviation's range M = {}, reversal B = {}, its mean B̄ = {}",
+            um(f.mean_range),
+            um(f.reversal),
+            um(f.mean_reversal)
+        ),
         format!(
             "{} runs, {} targets from {} to {} mm",
             analysis.test.runs(),
@@ -86,7 +93,8 @@ pub fn figures(analysis: &Analysis) -> Vec<String> {
 pub fn residuals(analysis: &Analysis) -> Vec<String> {
     let residual = &analysis.residual;
     let line = |name: &str, FitValidate { fit, validate }: FitValidate| {
-        let validate = validate.map_or_else(String::new, |um| format!(", {} µm rms of the validation runs", fixed(um, 2)));
+        let validate = validate
+            .map_or_else(String::new, |um| format!(", {} µm rms of the validation runs", fixed(um, 2)));
         format!("{name:<33} {:>6} µm rms of the fitted runs{validate}", fixed(fit, 2))
     };
     let mut lines = vec![
@@ -124,9 +132,12 @@ pub fn cells(effect: &Effect) -> [String; 5] {
 #[must_use]
 pub fn parameters(effect: &Effect) -> String {
     let shown = effect.parameters.iter().filter_map(|(key, parameter)| match parameter {
-        Parameter::Number { value, ci95: Some([low, high]) } => {
-            Some(format!("{key} {} ({} to {})", signed_if(effect, *value), signed_if(effect, *low), signed_if(effect, *high)))
-        }
+        Parameter::Number { value, ci95: Some([low, high]) } => Some(format!(
+            "{key} {} ({} to {})",
+            signed_if(effect, *value),
+            signed_if(effect, *low),
+            signed_if(effect, *high)
+        )),
         Parameter::Number { value, ci95: None } => Some(format!("{key} {}", signed_if(effect, *value))),
         Parameter::Given { value } => Some(format!("{} positions", value.len())),
         Parameter::Fitted { .. } => None,

@@ -132,7 +132,9 @@ impl Grid {
         let lines = self.lines();
         let normal = lines.transpose() * &lines;
         let unit = DMatrix::identity(knots, knots);
-        normal.try_inverse().map_or_else(|| unit.clone(), |inverse| &unit - &lines * inverse * lines.transpose())
+        normal
+            .try_inverse()
+            .map_or_else(|| unit.clone(), |inverse| &unit - &lines * inverse * lines.transpose())
     }
 
     /// Factor of the drift at an instant.

@@ -40,7 +40,8 @@ pub fn with_wave(grid: &Grid, samples: &Samples, gap: Gap, before: &[f64]) -> Op
     let all = frequencies(grid);
     // A wave that is there already is not another one.
     let travel_mm = numerics::peak_to_peak(grid.knots_mm.iter().copied());
-    let is_new = |frequency: &&f64| before.iter().all(|period| (1.0 / period - *frequency).abs() * travel_mm > 0.7);
+    let is_new =
+        |frequency: &&f64| before.iter().all(|period| (1.0 / period - *frequency).abs() * travel_mm > 0.7);
     let best = all.iter().filter(is_new).map(|&f| (squares(f), f)).min_by(|a, b| a.0.total_cmp(&b.0))?.1;
     Some(with(refined(best, 1.0 / (PER_LINE * travel_mm), squares)))
 }
@@ -76,14 +77,14 @@ pub fn aliases_mm(knots_mm: &[f64], period_mm: f64) -> Vec<f64> {
     let least_mm = numerics::min(knots_mm.windows(2).map(|pair| pair[1] - pair[0]));
     let looks_alike = |other: f64| {
         let phase = |sign: f64| {
-            let difference = |mm: &f64| numerics::wrapped(TAU * (mm - first) * (1.0 / other - sign / period_mm), TAU);
+            let difference =
+                |mm: &f64| numerics::wrapped(TAU * (mm - first) * (1.0 / other - sign / period_mm), TAU);
             numerics::max_abs(knots_mm.iter().map(difference))
         };
         phase(1.0).min(phase(-1.0)) < MAX_PHASE
     };
-    let candidates = (1..=MOST).flat_map(|count| {
-        [-1.0, 1.0].map(|sign| 1.0 / (f64::from(count) / least_mm + sign / period_mm))
-    });
+    let candidates = (1..=MOST)
+        .flat_map(|count| [-1.0, 1.0].map(|sign| 1.0 / (f64::from(count) / least_mm + sign / period_mm)));
     candidates.filter(|other| *other > 0.0 && looks_alike(*other)).collect()
 }
 
