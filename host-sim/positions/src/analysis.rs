@@ -7,11 +7,12 @@ use files::error::InputError;
 use super::course::Clock;
 use super::drift::mean_course;
 use super::effect::Effect;
-use super::effects::{self, Feedback, Source};
+use super::effects;
 use super::fit::{Fit, Samples};
 use super::iso::{Figures, Position, figures, positions};
 use super::measured::Test;
 use super::selection::{Chosen, Search, course};
+use super::source::{Feedback, Source};
 use super::variant::{Drift, Gap, Grid, Mean, Place, Variant};
 use super::wave;
 

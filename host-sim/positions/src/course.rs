@@ -31,12 +31,12 @@ impl Course {
         }
     }
 
-    /// Time constants that are tried: from a quarter of the span to eight times the span, by a factor of 1.1.
+    /// Time constants that are tried: from a twentieth of the span to eight times the span, by a factor of 1.1.
     #[must_use]
     pub fn tried(span: [f64; 2]) -> Vec<f64> {
         const STEP: f64 = 1.1;
         let length = span[1] - span[0];
-        let mut all = vec![0.25 * length];
+        let mut all = vec![0.05 * length];
         while let Some(last) = all.last().filter(|last| **last < 8.0 * length) {
             all.push(STEP * last);
         }

@@ -19,7 +19,7 @@ pub fn mean_course(course: &Course, samples: &Samples) -> f64 {
 }
 
 /// The course with the time constant that leaves least, with its interval, if that is bounded on both sides. Otherwise the course of a
-/// warm-up whose end is not shown, or a straight line if the runs contradict that.
+/// warm-up whose end is not shown, or what leaves least if the runs contradict that.
 #[must_use]
 pub fn course(
     samples: &Samples,
@@ -27,37 +27,65 @@ pub fn course(
     has_both_ways: bool,
     (span, runs): ([f64; 2], usize),
 ) -> (Course, Option<[f64; 2]>) {
-    let squares = |time_constant: Option<f64>| {
+    let fitted = |time_constant: Option<f64>| {
         let course = Course { time_constant, span };
         let grid = Grid::new(knots_mm.to_vec(), course, mean_course(&course, samples));
-        Fit::of(&fullest(has_both_ways), &grid, samples, 0.0).map(|fit| (fit.squares(), fit.freedom - 1.0))
+        Fit::of(&fullest(has_both_ways), &grid, samples, 0.0)
     };
     let unknown = Course::unknown(span, runs);
-    let tried: Vec<(f64, f64)> = Course::tried(span)
-        .into_iter()
-        .filter_map(|constant| Some((constant, squares(Some(constant))?.0)))
-        .collect();
-    let (Some((line, freedom)), Some(&(best, least))) =
-        (squares(None), tried.iter().min_by(|a, b| a.1.total_cmp(&b.1)))
-    else {
+    let Some(line) = fitted(None) else { return (unknown, None) };
+    let freedom = line.freedom - 1.0;
+    let squares = |constant: f64| fitted(Some(constant)).map_or(f64::INFINITY, |fit| fit.squares());
+    let Some(profile) = Profile::of(&Course::tried(span), &squares).filter(|_| freedom >= 1.0) else {
         return (unknown, None);
     };
-    if freedom < 1.0 {
-        return (unknown, None);
-    }
     let t = student_t_975(whole(freedom));
-    let limit = least.min(line) * (1.0 + t * t / freedom);
-    let within: Vec<f64> =
-        tried.iter().filter(|(_, squares)| *squares <= limit).map(|(constant, _)| *constant).collect();
-    let ends = within.first().copied().zip(within.last().copied());
-    let is_bounded = line > limit && tried.first().is_some_and(|(_, squares)| *squares > limit);
-    match ends.filter(|_| is_bounded) {
-        Some((low, high)) => (Course { time_constant: Some(best), span }, Some([low, high])),
-        None => {
-            let is_contradicted =
-                unknown.time_constant.is_some_and(|constant| ends.is_none_or(|(low, _)| constant < low));
-            (if is_contradicted { Course { time_constant: None, span } } else { unknown }, None)
+    let limit = profile.least.min(line.squares()) * (1.0 + t * t / freedom);
+    let ends = profile.ends(limit, &squares);
+    if let ([Some(low), Some(high)], true) = (ends, line.squares() > limit) {
+        return (Course { time_constant: Some(profile.best), span }, Some([low, high]));
+    }
+    let is_contradicted = unknown.time_constant.is_none_or(|constant| squares(constant) > limit);
+    let shown = (profile.least < line.squares()).then_some(profile.best);
+    (if is_contradicted { Course { time_constant: shown, span } } else { unknown }, None)
+}
+
+/// What time constants leave: those that were tried, and the best between them.
+struct Profile {
+    tried: Vec<(f64, f64)>,
+    best: f64,
+    least: f64,
+}
+
+impl Profile {
+    fn of(constants: &[f64], squares: &impl Fn(f64) -> f64) -> Option<Self> {
+        const GOLDEN: f64 = 0.618_033_988_749_895;
+        let tried: Vec<(f64, f64)> =
+            constants.iter().map(|&constant| (constant, squares(constant))).collect();
+        let index = (0..tried.len()).min_by(|a, b| tried[*a].1.total_cmp(&tried[*b].1))?;
+        let mut low = tried[index.saturating_sub(1)].0;
+        let mut high = tried[(index + 1).min(tried.len() - 1)].0;
+        for _ in 0..16 {
+            let (left, right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
+            if squares(left) < squares(right) { high = right } else { low = left }
         }
+        let best = 0.5 * (low + high);
+        Some(Self { least: squares(best), best, tried })
+    }
+
+    /// Where the squares reach a limit below and above the best; `None` where they do not.
+    fn ends(&self, limit: f64, squares: &impl Fn(f64) -> f64) -> [Option<f64>; 2] {
+        let below = self.tried.iter().rev().find(|(constant, left)| *constant < self.best && *left > limit);
+        let above = self.tried.iter().find(|(constant, left)| *constant > self.best && *left > limit);
+        let between = |outside: f64| {
+            let (mut inside, mut outside) = (self.best, outside);
+            for _ in 0..12 {
+                let middle = 0.5 * (inside + outside);
+                if squares(middle) > limit { outside = middle } else { inside = middle }
+            }
+            0.5 * (inside + outside)
+        };
+        [below, above].map(|end| end.map(|(constant, _)| between(*constant)))
     }
 }
 

@@ -6,12 +6,12 @@ use files::format::{signed, significant};
 
 use super::course::Clock;
 use super::effect::{Effect, Parameter};
-use super::effects::{Source, has_drift, is_there};
+use super::source::{Source, is_there};
 use super::variant::Drift;
 
 /// The effects of a drift.
 pub(crate) fn of(source: &Source<'_>) -> Vec<Effect> {
-    if !has_drift(source) {
+    if source.fit.variant.drift == Drift::None {
         return Vec::new();
     }
     [uniform(source), growth(source), over_position(source)].into_iter().flatten().collect()
@@ -85,7 +85,7 @@ fn over_position(source: &Source<'_>) -> Option<Effect> {
     let bent = source.grid.without_line();
     let row = |index: usize| bent.row(index).iter().copied().collect::<Vec<_>>();
     let (values, half_widths): (Vec<f64>, Vec<f64>) =
-        (0..columns.len()).map(|index| source.value(&source.weights(&columns, &row(index)))).unzip();
+        (0..columns.len()).map(|index| source.value_at_knot(&source.weights(&columns, &row(index)))).unzip();
     let mut part = DVector::zeros(source.fit.coefficients.len());
     part.rows_mut(columns.start, columns.len()).copy_from_slice(&values);
     let um = numerics::peak_to_peak(values.iter().copied());

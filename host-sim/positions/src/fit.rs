@@ -4,7 +4,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use numerics::distributions::{f_test_p_value, student_t_975};
 
-use super::variant::{Drift, Grid, Place, Variant};
+use super::variant::{Drift, Grid, Mean, Place, Variant};
 
 /// What is fitted: a deviation at each place, and the run that it is of.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -77,7 +77,9 @@ impl Fit {
         let coefficients = factor.solve(&(design.transpose() * &deviations));
         let residuals = deviations - &design * &coefficients;
         let inverse = factor.inverse();
-        let freedom = samples.runs.len() as f64 - (&inverse * normal).trace();
+        // The period of a wave is fitted as well, by the search.
+        let periods = if let Mean::Waves(periods) = &variant.mean { periods.len() } else { 0 };
+        let freedom = samples.runs.len() as f64 - (&inverse * normal).trace() - periods as f64;
         let mut scores = DMatrix::zeros(inverse.nrows(), inverse.nrows());
         let runs = samples.distinct_runs();
         for run in &runs {
@@ -123,24 +125,35 @@ impl Fit {
         self.inverse.view((columns.start, columns.start), (columns.len(), columns.len())).into_owned()
     }
 
-    /// Half width of the 95 % interval of a combination of the coefficients; NaN without degrees of freedom. Readings count as
-    /// independent, unless runs differ by more than that makes likely: then the runs are the witnesses, not the readings.
+    /// Half width of the 95 % interval of a combination of the coefficients that all readings of a run tell, such as an offset; NaN without
+    /// degrees of freedom. Readings count as independent, unless runs differ by more than that makes likely: then the runs are the
+    /// witnesses, not the readings.
     #[must_use]
     pub fn half_width(&self, weights: &DVector<f64>) -> f64 {
         let Some(scatter_um) = self.scatter_um() else { return f64::NAN };
         let spread = &self.inverse * weights;
         let independent = scatter_um * scatter_um * weights.dot(&spread).max(0.0);
-        let freedom = whole(self.freedom);
         let drifts = usize::from(self.variant.drift != Drift::None);
         let left = self.runs.saturating_sub(1 + drifts);
         if left > 0 {
             let factor = self.runs as f64 / left as f64;
             let of_runs = factor * spread.dot(&(&self.scores * &spread)).max(0.0);
-            if of_runs > independent && f_test_p_value(of_runs / independent, left, freedom) < MAX_CHANCE {
+            let is_more = of_runs > independent
+                && f_test_p_value(of_runs / independent, left, whole(self.freedom)) < MAX_CHANCE;
+            if is_more {
                 return student_t_975(left) * of_runs.sqrt();
             }
         }
-        student_t_975(freedom) * independent.sqrt()
+        self.half_width_of_readings(weights)
+    }
+
+    /// Half width of the 95 % interval of a combination that few readings of a run tell, such as the value at a knot: they count as
+    /// independent.
+    #[must_use]
+    pub fn half_width_of_readings(&self, weights: &DVector<f64>) -> f64 {
+        let Some(scatter_um) = self.scatter_um() else { return f64::NAN };
+        let variance = weights.dot(&(&self.inverse * weights)).max(0.0);
+        student_t_975(whole(self.freedom)) * scatter_um * variance.sqrt()
     }
 }
 

@@ -216,3 +216,75 @@ fn lines(positions: &[Position]) -> Vec<String> {
     }
     lines
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measured::Reading;
+
+    fn test_of(rows: &[(f64, Way, &[f64])]) -> Test {
+        let mut readings = Vec::new();
+        for (target_mm, way, deviations) in rows {
+            readings.extend(deviations.iter().enumerate().map(|(run, um)| Reading {
+                run,
+                way: *way,
+                target_mm: *target_mm,
+                deviation_um: *um,
+                time_s: None,
+                line: run + 2,
+            }));
+        }
+        Test { source: "x.csv".to_owned(), readings, run_numbers: vec![1.0, 2.0, 3.0], notes: Vec::new() }
+    }
+
+    /// By hand, with √3 = 1.7321:
+    ///
+    /// - 0 mm: ↑ 1, 2, 3: x̄ = 2, s = 1. ↓ −1, −1, 2: x̄ = 0, s = √((1 + 1 + 4)/2) = √3. B = 2, mean 1,
+    ///   R = max(2 + 2·√3 + 2, 4, 4·√3) = 7.4641
+    /// - 100 mm: ↑ 4, 6, 8: x̄ = 6, s = 2. ↓ 7, 7, 7: x̄ = 7, s = 0. B = −1, mean 6.5, R = max(4 + 0 + 1, 8, 0) = 8
+    /// - A = (6 + 4) − (0 − 2·√3) = 13.4641, A↑ = 10 − 0, A↓ = 7 + 2·√3, E = 7 − 0, E↑ = 6 − 2, E↓ = 7 − 0, M = 6.5 − 1
+    #[test]
+    fn figures_are_those_computed_by_hand() {
+        let test = test_of(&[
+            (0.0, Way::Positive, &[1.0, 2.0, 3.0]),
+            (0.0, Way::Negative, &[-1.0, -1.0, 2.0]),
+            (100.0, Way::Positive, &[4.0, 6.0, 8.0]),
+            (100.0, Way::Negative, &[7.0, 7.0, 7.0]),
+        ]);
+        let (found, notes) = figures(&positions(&test));
+        let root = 3.0_f64.sqrt();
+        for (name, value, expected) in [
+            ("A", found.accuracy, 10.0 + 2.0 * root),
+            ("A↑", found.accuracy_positive, 10.0),
+            ("A↓", found.accuracy_negative, 7.0 + 2.0 * root),
+            ("E", found.systematic, 7.0),
+            ("E↑", found.systematic_positive, 4.0),
+            ("E↓", found.systematic_negative, 7.0),
+            ("M", found.mean_range, 5.5),
+            ("R", found.repeatability, 8.0),
+            ("R↑", found.repeatability_positive, 8.0),
+            ("R↓", found.repeatability_negative, 4.0 * root),
+            ("B", found.reversal, 2.0),
+            ("B̄", found.mean_reversal, 0.5),
+        ] {
+            assert!((value.unwrap() - expected).abs() < 1e-12, "{name}: {value:?}");
+        }
+        assert_eq!(notes, ["3 approaches to each target in each direction: ISO 230-2 asks for 5."]);
+    }
+
+    #[test]
+    fn what_cannot_be_given_is_none_with_a_line() {
+        let one_way = test_of(&[(0.0, Way::Positive, &[1.0, 2.0]), (10.0, Way::Positive, &[0.0, 0.0])]);
+        let (found, notes) = figures(&positions(&one_way));
+        assert_eq!((found.accuracy, found.reversal, found.systematic_negative), (None, None, None));
+        assert!(
+            (found.systematic_positive.unwrap() - 1.5).abs() < 1e-12 && found.accuracy_positive.is_some()
+        );
+        assert!(notes[0].starts_with("No approach in − direction: A, E, M, R, B, B̄, A↓"), "{notes:?}");
+        let once = test_of(&[(-5.0, Way::Positive, &[1.0]), (10.0, Way::Positive, &[0.0, 0.0])]);
+        let (found, notes) = figures(&positions(&once));
+        assert!(found.accuracy_positive.is_none() && found.systematic_positive.is_some());
+        assert!(notes[0].starts_with("One approach to −5 mm in + direction"), "{notes:?}");
+        assert!(notes.iter().any(|note| note.contains("1 to 2 approaches each")), "{notes:?}");
+    }
+}

@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-use super::Analysis;
-use super::analysis::Residual;
+use super::analysis::{Analysis, Residual};
 use super::effect::Effect;
 use super::iso::{Figures, Position};
 

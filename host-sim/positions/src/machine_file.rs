@@ -10,7 +10,7 @@ use model::effects::{
 };
 use model::machine::{Axis, Machine};
 
-use super::Analysis;
+use super::analysis::Analysis;
 use super::effect;
 
 /// Rate that a machine file must have, Hz: the usual one of a position loop. Nothing here depends on it.

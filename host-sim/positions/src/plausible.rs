@@ -2,7 +2,7 @@
 
 use files::error::InputError;
 
-use super::readings::Raw;
+use super::raw::Raw;
 
 /// Largest relative difference of a factor from the one that is recognised.
 const NEAR: f64 = 0.1;

@@ -6,6 +6,7 @@ use files::table::MAX_MEASURED;
 use super::columns::{self, Column, Request, Role};
 use super::measured::{Reading, Test, Way};
 use super::plausible;
+use super::raw::Raw;
 use super::rows::{Row, Rows, number};
 
 /// Largest share of lines that may be no readings.
@@ -19,18 +20,6 @@ const POSITIVE: [&str; 8] = ["+", "positive", "pos", "up", "forward", "fwd", "�
 
 /// Words for the approach in − direction; a number below 0, too.
 const NEGATIVE: [&str; 10] = ["-", "−", "–", "negative", "neg", "down", "reverse", "rev", "backward", "↓"];
-
-/// What a row says, before its approach and its unit are sure.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Raw {
-    pub run: String,
-    pub way: Option<Way>,
-    pub target_mm: f64,
-    /// Position in mm, or deviation in µm.
-    pub value: f64,
-    pub time_s: Option<f64>,
-    pub line: usize,
-}
 
 /// The test in a text; `source` is the name of the file for messages.
 ///

@@ -17,8 +17,14 @@ const MIN_REDUCTION: f64 = 0.01;
 /// A simpler form is taken if it raises the mean square of runs left out by less than this fraction.
 const MAX_RISE: f64 = 0.02;
 
-/// Greatest probability of a step by chance, F test.
-const MAX_CHANCE: f64 = 1e-3;
+/// Greatest probability of a step by chance, F test. A step is the best of a dozen.
+const MAX_CHANCE: f64 = 1e-4;
+
+/// The greatest probability where runs left out are predicted so much better that both together are no chance.
+const MAX_CHANCE_OF_LARGE: f64 = 1e-2;
+
+/// Reduction of the mean square of runs left out that counts as large.
+const LARGE_REDUCTION: f64 = 0.2;
 
 /// Greatest probability of a trend of the runs by chance.
 const MAX_TREND_CHANCE: f64 = 0.05;
@@ -91,16 +97,34 @@ impl<'a> Search<'a> {
         Some(squares / self.samples.runs.len() as f64)
     }
 
-    /// The form that the runs support.
+    /// The form that the runs support: from the least upwards, or from the fullest downwards where that predicts better. A step upwards may
+    /// need another one with it.
     #[must_use]
     pub fn choose(&self) -> Option<Chosen> {
-        let mut best = self.fit(&Variant::offset())?;
-        while let Some(next) = self.step(&best) {
-            best = next;
+        let mut up = self.fit(&Variant::offset())?;
+        while let Some(next) = self.step(&up) {
+            up = next;
         }
-        let fit = self.simplified(best);
-        let left_out_um = self.left_out(&fit.variant).map(f64::sqrt);
+        let up = self.simplified(up);
+        let down = self.fullest().map(|fit| self.simplified(fit));
+        let left_out = |fit: &Fit| self.left_out(&fit.variant);
+        let is_better = |down: &Fit| {
+            let both = left_out(down).zip(left_out(&up));
+            both.is_some_and(|(down, up)| down < (1.0 - MAX_RISE) * up)
+        };
+        let fit = down.filter(is_better).unwrap_or(up);
+        let left_out_um = left_out(&fit).map(f64::sqrt);
         Some(Chosen { fit, left_out_um, time_constant_ci95: None })
+    }
+
+    /// The form with a value at each knot of each part that the readings determine.
+    fn fullest(&self) -> Option<Fit> {
+        let gap = if self.has_both_ways { Gap::Map } else { Gap::None };
+        let with = |drift: Drift| self.fit(&Variant { mean: Mean::Map, gap, drift });
+        let drifts =
+            if self.runs.len() < MIN_DRIFT_RUNS { &[Drift::None][..] } else { &[Drift::Map, Drift::Line] };
+        let fit = drifts.iter().find_map(|drift| with(*drift))?;
+        (fit.freedom >= 1.0).then_some(fit)
     }
 
     /// The best form with more of one part; `None` if none is better.
@@ -109,7 +133,7 @@ impl<'a> Search<'a> {
         let mut best: Option<(f64, Fit)> = None;
         for variant in self.larger(&before.variant) {
             let Some(fit) = self.fit(&variant) else { continue };
-            if !is_more_than_chance(before, &fit) || !self.is_trend(before, &fit) {
+            if !self.is_supported(before, &fit) || !self.is_trend(before, &fit) {
                 continue;
             }
             // A single run has nothing to be left out: chance alone decides, with the scatter that is left.
@@ -161,14 +185,15 @@ impl<'a> Search<'a> {
         larger
     }
 
-    /// Simpler forms of each part in turn, as long as runs left out are predicted as well.
+    /// Simpler forms of each part in turn, as long as runs left out are predicted as well, or what is more in the larger form is not more
+    /// than chance.
     fn simplified(&self, mut best: Fit) -> Fit {
-        let Some(limit) = self.left_out(&best.variant).map(|left_out| (1.0 + MAX_RISE) * left_out) else {
-            return best;
-        };
+        let limit = self.left_out(&best.variant).map(|left_out| (1.0 + MAX_RISE) * left_out);
         while let Some(smaller) = self.smaller(&best.variant).into_iter().find_map(|variant| {
-            let is_as_good = self.left_out(&variant).is_some_and(|left_out| left_out < limit);
-            self.fit(&variant).filter(|_| is_as_good)
+            let fit = self.fit(&variant)?;
+            let is_as_good =
+                || limit.zip(self.left_out(&variant)).is_some_and(|(limit, left_out)| left_out < limit);
+            (!self.is_supported(&fit, &best) || is_as_good()).then_some(fit)
         }) {
             best = smaller;
         }
@@ -206,8 +231,13 @@ impl<'a> Search<'a> {
     /// straight line, are what tells: the readings of one run are no independent witnesses.
     fn is_trend(&self, before: &Fit, after: &Fit) -> bool {
         let new = after.variant.drift;
-        if new == before.variant.drift || new == Drift::Map {
+        if new == before.variant.drift {
             return true;
+        }
+        if new == Drift::Map {
+            // Beside offset and slope of the runs, which are no sign of it.
+            let line = self.fit(&Variant { drift: Drift::Line, ..after.variant.clone() });
+            return line.is_some_and(|line| self.is_supported(&line, after));
         }
         let lines = if new == Drift::Line { 2 } else { 1 };
         let chance = MAX_TREND_CHANCE / f64::from(lines);
@@ -241,18 +271,35 @@ impl<'a> Search<'a> {
         let error = ((&y - slope * &x).norm_squared() / left as f64 / x.norm_squared()).sqrt();
         slope.abs() > student_t_beyond(chance, left) * error
     }
-}
 
-/// Whether a larger form explains more than chance does, by an F test.
-fn is_more_than_chance(before: &Fit, after: &Fit) -> bool {
-    let more = before.freedom - after.freedom;
-    if after.freedom < 1.0 || more <= 0.0 {
-        return false;
+    /// Whether a larger form explains more than chance does.
+    fn is_supported(&self, before: &Fit, after: &Fit) -> bool {
+        let chance = self.chance(before, after);
+        // The period of a wave is searched in all runs, so that a run left out is not quite new to it.
+        let is_wave = matches!(after.variant.mean, Mean::Waves(_));
+        let is_large = || {
+            let both = self.left_out(&after.variant).zip(self.left_out(&before.variant));
+            both.is_some_and(|(after, before)| after < (1.0 - LARGE_REDUCTION) * before)
+        };
+        chance < MAX_CHANCE || !is_wave && chance < MAX_CHANCE_OF_LARGE && is_large()
     }
-    let reduction = (before.squares() - after.squares()) / more;
-    let left = after.squares() / after.freedom;
-    let f = if left > 0.0 { reduction / left } else { f64::INFINITY };
-    reduction > 0.0 && (f.is_infinite() || f_test_p_value(f, whole(more), whole(after.freedom)) < MAX_CHANCE)
+
+    /// Probability that chance explains as much as a larger form does, by an F test. A wave is the best of all that the targets can tell.
+    fn chance(&self, before: &Fit, after: &Fit) -> f64 {
+        let more = before.freedom - after.freedom;
+        let reduction = before.squares() - after.squares();
+        if after.freedom < 1.0 || more <= 0.0 || reduction <= 0.0 {
+            return 1.0;
+        }
+        let is_new_wave =
+            matches!(after.variant.mean, Mean::Waves(_)) && after.variant.mean != before.variant.mean;
+        let tries = if is_new_wave { wave::lines(self.grid).max(1.0) } else { 1.0 };
+        let left = after.squares() / after.freedom;
+        if left <= 0.0 {
+            return 0.0;
+        }
+        tries * f_test_p_value(reduction / more / left, whole(more), whole(after.freedom))
+    }
 }
 
 /// The course of the drift in the samples, and the 95 % interval of its time constant if both ends are known.

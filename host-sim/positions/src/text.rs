@@ -2,8 +2,7 @@
 
 use files::format::{fixed, signed, significant};
 
-use super::Analysis;
-use super::analysis::FitValidate;
+use super::analysis::{Analysis, FitValidate};
 use super::effect::{Certainty, Effect, Parameter};
 
 /// Greatest number of effects in the sentence.

@@ -114,8 +114,14 @@ impl Grid {
     }
 
     /// Weights of the knots' values at a position.
-    fn weights(&self, position_mm: f64) -> impl Iterator<Item = f64> {
-        self.cardinals.iter().map(move |cardinal| cardinal.value(position_mm))
+    fn weights(&self, position_mm: f64) -> Vec<f64> {
+        let knots = &self.knots_mm;
+        let nearest = knots.partition_point(|knot| *knot < position_mm);
+        // Most readings are at a knot, of which the value alone counts.
+        if knots.get(nearest).is_some_and(|knot| knot.to_bits() == position_mm.to_bits()) {
+            return (0..knots.len()).map(|index| f64::from(u8::from(index == nearest))).collect();
+        }
+        self.cardinals.iter().map(|cardinal| cardinal.value(position_mm)).collect()
     }
 
     /// Value 1 and distance from the middle (m) at each knot: the straight lines.
@@ -197,14 +203,14 @@ impl Variant {
         match self.gap {
             Gap::None => {}
             Gap::Constant => row.push(half),
-            Gap::Map => row.extend(grid.weights(x).map(|weight| half * weight)),
+            Gap::Map => row.extend(grid.weights(x).iter().map(|weight| half * weight)),
         }
         let factor = grid.drift_factor(place.instant);
         match self.drift {
             Drift::None => {}
             Drift::Offset => row.push(factor),
             Drift::Line => row.extend([factor, factor * grid.along_m(x)]),
-            Drift::Map => row.extend(grid.weights(x).map(|weight| factor * weight)),
+            Drift::Map => row.extend(grid.weights(x).iter().map(|weight| factor * weight)),
         }
         DVector::from_vec(row)
     }

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use super::fit::{Fit, Samples};
 use super::variant::{Drift, Gap, Grid, Mean, Variant};
 
-/// Fewest targets for a wave beside a straight line, of which they determine five values.
-pub const MIN_TARGETS: usize = 7;
+/// Targets for each wave, which has three values, beside the two of a straight line.
+const TARGETS_PER_WAVE: usize = 6;
 
 /// Frequencies that are tried in the width of a line of the spectrum.
 const PER_LINE: f64 = 10.0;
@@ -19,12 +19,18 @@ fn frequencies(grid: &Grid) -> Vec<f64> {
     let knots = &grid.knots_mm;
     let travel_mm = numerics::peak_to_peak(knots.iter().copied());
     let least_mm = numerics::min(knots.windows(2).map(|pair| pair[1] - pair[0]));
-    if knots.len() < MIN_TARGETS || travel_mm <= 0.0 {
+    if knots.len() < 2 + TARGETS_PER_WAVE || travel_mm <= 0.0 {
         return Vec::new();
     }
     let step = 1.0 / (PER_LINE * travel_mm);
     let highest = 1.0 / (LEAST * least_mm);
     (0..).map(|count| 2.0 / 3.0 / travel_mm + f64::from(count) * step).take_while(|f| *f <= highest).collect()
+}
+
+/// How many waves of different periods the targets can tell: as many lines has the spectrum.
+#[must_use]
+pub fn lines(grid: &Grid) -> f64 {
+    frequencies(grid).len() as f64 / PER_LINE
 }
 
 /// The form with one more wave that leaves least; `None` if the targets resolve none.
@@ -38,6 +44,9 @@ pub fn with_wave(grid: &Grid, samples: &Samples, gap: Gap, before: &[f64]) -> Op
         Fit::of(&with(frequency), grid, samples, 0.0).map_or(f64::INFINITY, |fit| fit.squares())
     };
     let all = frequencies(grid);
+    if grid.knots_mm.len() < 2 + TARGETS_PER_WAVE * (before.len() + 1) {
+        return None;
+    }
     // A wave that is there already is not another one.
     let travel_mm = numerics::peak_to_peak(grid.knots_mm.iter().copied());
     let is_new =

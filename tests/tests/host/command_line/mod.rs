@@ -11,6 +11,7 @@ mod import_formats;
 mod improve;
 mod init;
 mod margins;
+mod positions;
 mod refused;
 mod refused_lost_motion;
 mod reproduce;
