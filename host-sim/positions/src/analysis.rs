@@ -106,6 +106,7 @@ pub fn analyse(test: Test, validate: Vec<Test>, options: &Options) -> Result<Ana
     let has_times = test.has_times() && validate.iter().all(Test::has_times);
     let clock = if has_times { Clock::Seconds } else { Clock::Runs };
     let samples = Samples::of_test(&test, clock, None);
+    let targets_mm = test.targets_mm();
     let knots_mm = knots(&test, &mut notes);
     let has_both_ways = test.has_both_ways();
     let span = numerics::min_max(samples.places.iter().map(|place| place.instant));
@@ -118,6 +119,7 @@ pub fn analyse(test: Test, validate: Vec<Test>, options: &Options) -> Result<Ana
     let source = Source {
         fit: &chosen.fit,
         grid: &grid,
+        targets_mm: &targets_mm,
         axis: &options.axis,
         feedback: options.feedback,
         clock,
@@ -134,7 +136,7 @@ pub fn analyse(test: Test, validate: Vec<Test>, options: &Options) -> Result<Ana
     for other in &validate {
         notes.extend(other.notes.iter().cloned());
     }
-    notes.extend(resolution_note(&grid));
+    notes.extend(resolution_note(&targets_mm));
     let positions = positions(&test);
     let (figures, figure_notes) = figures(&positions);
     let scatter_um = chosen.fit.scatter_um();
@@ -161,7 +163,7 @@ impl Samples {
     fn of_test(test: &Test, clock: Clock, fitted: Option<(&Test, &mut Vec<String>)>) -> Self {
         let instants = match fitted {
             None => run_instants(test),
-            Some((fitted, notes)) => instants_after(test, fitted, clock, notes),
+            Some((fitted, notes)) => instants_beside(test, fitted, clock, notes),
         };
         let place = |reading: &super::measured::Reading| Place {
             position_mm: reading.target_mm,
@@ -187,17 +189,21 @@ fn run_instants(test: &Test) -> Vec<f64> {
     if rises { numbers.clone() } else { (1..=numbers.len()).map(|count| count as f64).collect() }
 }
 
-/// Numbers above those of the fitted runs go on after them; other ones do not tell when they were measured.
-fn instants_after(test: &Test, fitted: &Test, clock: Clock, notes: &mut Vec<String>) -> Vec<f64> {
-    let last = numerics::max(run_instants(fitted));
-    if clock == Clock::Seconds || test.run_numbers.iter().all(|number| *number > last) {
+/// Numbers that no fitted run has are of the test of the fitted runs, and tell when theirs were measured; other ones do not.
+fn instants_beside(test: &Test, fitted: &Test, clock: Clock, notes: &mut Vec<String>) -> Vec<f64> {
+    let taken = run_instants(fitted);
+    let is_taken = |number: &f64| taken.iter().any(|other| other.to_bits() == number.to_bits());
+    let is_free = |number: &f64| number.is_finite() && !is_taken(number);
+    let are_numbers =
+        taken.iter().zip(&fitted.run_numbers).all(|(instant, number)| instant.to_bits() == number.to_bits());
+    if clock == Clock::Seconds || are_numbers && test.run_numbers.iter().all(is_free) {
         return test.run_numbers.clone();
     }
     notes.push(format!(
-        "{}: the numbers of its runs do not go on from those of {}: the drift is taken as it was in the last fitted run.",
+        "{}: its runs have numbers of runs in {}, and no times: the drift is taken as it was in the last fitted run.",
         test.source, fitted.source
     ));
-    vec![last; test.runs()]
+    vec![numerics::max(taken); test.runs()]
 }
 
 fn together(all: Vec<Samples>) -> Samples {
@@ -230,8 +236,8 @@ fn knots(test: &Test, notes: &mut Vec<String>) -> Vec<f64> {
 }
 
 /// What evenly spaced targets cannot tell.
-fn resolution_note(grid: &Grid) -> Option<String> {
-    let spacing_mm = wave::even_spacing_mm(&grid.knots_mm)?;
+fn resolution_note(targets_mm: &[f64]) -> Option<String> {
+    let spacing_mm = (1e3 * wave::even_spacing_mm(targets_mm)?).round() / 1e3;
     Some(format!(
         "The targets are {spacing_mm} mm apart: a periodic error of {spacing_mm} mm or a whole fraction of it looks like an offset, one below {} mm like a longer one. Uneven targets tell them apart.",
         2.0 * spacing_mm

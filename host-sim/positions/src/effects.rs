@@ -151,7 +151,7 @@ fn waves(source: &Source<'_>) -> Vec<Effect> {
         let half_um = source.fit.half_width(&weights);
         let half_rad = source.fit.half_width(&across) / amplitude_um;
         let part = source.weights(&columns, &[sine, cosine]);
-        let aliases_mm = wave::aliases_mm(&source.grid.knots_mm, *period_mm);
+        let aliases_mm = wave::aliases_mm(source.targets_mm, *period_mm);
         let rivals = [
             source.of_scale("scale_cyclic"),
             (source.feedback != Feedback::Scale).then_some("resolver_dividing"),

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::analysis::{Analysis, Residual};
 use super::effect::Effect;
 use super::iso::{Figures, Position};
+use super::measured::Test;
 
 /// The document of `positions --json`.
 #[derive(Serialize)]
@@ -32,6 +33,7 @@ struct Files<'a> {
 /// What no effect takes.
 #[derive(Serialize)]
 struct Unexplained<'a> {
+    channel: &'static str,
     axis: &'a str,
     rms_um: f64,
     share_percent: f64,
@@ -41,7 +43,8 @@ struct Unexplained<'a> {
 /// A target with the figures of its approaches.
 #[derive(Serialize)]
 struct Target {
-    target_mm: f64,
+    #[serde(rename = "target_mm")]
+    mm: f64,
     positive: Option<Way>,
     negative: Option<Way>,
     reversal_um: Option<f64>,
@@ -58,17 +61,14 @@ struct Way {
 #[must_use]
 pub fn of(analysis: &Analysis) -> Document<'_> {
     let Analysis { residual, .. } = analysis;
-    let file = |test: &'_ super::measured::Test| (test.runs(), test.readings.len());
-    let files = |test| {
-        let (runs, readings) = file(test);
-        Files { file: pages_name(&test.source), runs, readings }
-    };
     let share = residual.after.fit / residual.before.fit.max(f64::MIN_POSITIVE);
     Document {
         iso_230_2_um: &analysis.figures,
         residual_um: residual,
         effects: &analysis.effects,
         unexplained: vec![Unexplained {
+            // A laser measures where the tool or the workpiece is.
+            channel: "tool",
             axis: &analysis.axis,
             rms_um: residual.after.fit,
             share_percent: 100.0 * share * share,
@@ -83,9 +83,10 @@ pub fn of(analysis: &Analysis) -> Document<'_> {
     }
 }
 
-/// The last part of a path: results do not show the folders of their author.
-fn pages_name(source: &str) -> &str {
-    source.rsplit(['/', '\\']).next().unwrap_or(source)
+/// A file by the last part of its path: results do not show the folders of their author.
+fn files(test: &Test) -> Files<'_> {
+    let file = test.source.rsplit(['/', '\\']).next().unwrap_or(&test.source);
+    Files { file, runs: test.runs(), readings: test.readings.len() }
 }
 
 fn target(position: &Position) -> Target {
@@ -96,5 +97,5 @@ fn target(position: &Position) -> Target {
             standard_deviation_um: way.deviation_um,
         })
     });
-    Target { target_mm: position.target_mm, positive, negative, reversal_um: position.reversal_um() }
+    Target { mm: position.target_mm, positive, negative, reversal_um: position.reversal_um() }
 }

@@ -8,7 +8,7 @@
 //! - [`measured`]: the test
 //! - [`iso`]: the figures of ISO 230-2
 //! - [`course`], [`variant`], [`fit`]: the forms of the deviation, and their least squares
-//! - [`wave`], [`drift`], [`selection`]: the search for the form
+//! - [`wave`], [`drift`], `evidence`, [`selection`]: the search for the form
 //! - [`effect`], [`source`], [`effects`], `drifts`: from coefficients to effects with intervals and rivals
 //! - [`analysis`]: all of it
 //! - [`json`], [`text`], [`machine_file`]: the result for a file, for a terminal, and as a machine file
@@ -20,6 +20,7 @@ pub mod drift;
 mod drifts;
 pub mod effect;
 pub mod effects;
+mod evidence;
 pub mod fit;
 pub mod iso;
 pub mod json;

@@ -63,7 +63,7 @@ fn effects(analysis: &Analysis, notes: &mut Vec<String>) -> Vec<Effect> {
             Some(effect) => effects.push(effect),
             None if is_reversed && matches!(found.name, "backlash" | "pitch_map") => {}
             None => {
-                notes.push(format!("Not in the model: {}, {}.", super::text::title(found), why(found.name)))
+                notes.push(format!("Not in the model: {}, {}.", super::text::title(found), why(found.name)));
             }
         }
     }

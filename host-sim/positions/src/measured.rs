@@ -100,20 +100,27 @@ impl Test {
         self.passes().iter().map(Vec::len).max().unwrap_or(0)
     }
 
-    /// Distance within which two targets are one, mm.
+    /// Distance within which two targets are one, mm: a tenth of the usual distance, and less than that of any two of one pass.
     fn near_mm(&self) -> f64 {
         const FRACTION: f64 = 0.1;
+        const OF_LEAST: f64 = 0.3;
         let most = self.longest_pass().max(2);
         let travel_mm = numerics::peak_to_peak(self.readings.iter().map(|reading| reading.target_mm));
-        FRACTION * travel_mm / (most - 1) as f64
+        let usual_mm = travel_mm / (most - 1) as f64;
+        let steps_mm = self.passes().into_iter().flat_map(|mut pass| {
+            pass.sort_by(f64::total_cmp);
+            pass.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>()
+        });
+        let least_mm = numerics::min(steps_mm.filter(|step| *step > 0.0));
+        (FRACTION * usual_mm).min(OF_LEAST * least_mm)
     }
 
-    /// The deviations of each run in each direction that has any.
+    /// The targets of each run in each direction that has any, mm.
     fn passes(&self) -> Vec<Vec<f64>> {
         let of = |run: usize, way: Way| -> Vec<f64> {
             let of_pass =
                 self.readings.iter().filter(move |reading| reading.run == run && reading.way == way);
-            of_pass.map(|reading| reading.deviation_um).collect()
+            of_pass.map(|reading| reading.target_mm).collect()
         };
         let all = (0..self.runs()).flat_map(|run| Way::BOTH.map(|way| of(run, way)));
         all.filter(|pass| !pass.is_empty()).collect()
@@ -162,5 +169,50 @@ impl Test {
             return Err(InputError::expected(&self.source, expected, targets));
         }
         Ok(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn test_of(targets_mm: &[&[f64]], run_numbers: &[f64]) -> Test {
+        let mut readings = Vec::new();
+        for (run, targets) in targets_mm.iter().enumerate() {
+            readings.extend(targets.iter().map(|target_mm| Reading {
+                run,
+                way: Way::Positive,
+                target_mm: *target_mm,
+                deviation_um: 0.0,
+                time_s: None,
+                line: 2,
+            }));
+        }
+        Test { source: "x.csv".to_owned(), readings, run_numbers: run_numbers.to_vec(), notes: Vec::new() }
+    }
+
+    #[test]
+    fn targets_that_jitter_are_one_and_targets_that_are_everywhere_are_no_grid() {
+        let jitter = test_of(&[&[0.0, 10.0, 20.0], &[0.002, 9.998, 20.0]], &[1.0, 2.0]);
+        let targets = jitter.targets_mm();
+        assert!(
+            targets.len() == 3 && (targets[1] - 9.999).abs() < 1e-9 && !jitter.is_scattered(),
+            "{targets:?}"
+        );
+        let everywhere =
+            test_of(&[&[0.0, 7.0, 20.0], &[1.1, 5.8, 17.0], &[2.2, 4.6, 14.0]], &[1.0, 2.0, 3.0]);
+        assert!(everywhere.targets_mm().len() == 9 && everywhere.is_scattered());
+        let dense = test_of(&[&[0.0, 1.0, 2.0, 500.0, 1000.0], &[0.0, 1.0, 2.0, 500.0, 1000.0]], &[1.0, 2.0]);
+        assert_eq!(dense.targets_mm(), [0.0, 1.0, 2.0, 500.0, 1000.0]);
+    }
+
+    #[test]
+    fn runs_of_a_second_file_follow_and_are_counted_on_if_their_numbers_begin_again() {
+        let first = || test_of(&[&[0.0, 1.0], &[0.0, 1.0]], &[1.0, 2.0]);
+        let goes_on = first().followed_by(test_of(&[&[0.0, 1.0]], &[5.0]));
+        assert_eq!((goes_on.run_numbers, goes_on.readings[4].run), (vec![1.0, 2.0, 5.0], 2));
+        assert!(goes_on.notes.is_empty());
+        let again = first().followed_by(test_of(&[&[0.0, 1.0]], &[1.0]));
+        assert!(again.run_numbers == [1.0, 2.0, 3.0] && again.notes.len() == 1);
     }
 }

@@ -49,7 +49,9 @@ pub(crate) fn in_millimetres(
         reading.value = to_mm * reading.value - reading.target_mm;
     }
     near_targets(raw, source, notes)?;
-    raw.iter_mut().for_each(|reading| reading.value *= 1e3);
+    for reading in raw.iter_mut() {
+        reading.value *= 1e3;
+    }
     Ok(())
 }
 
@@ -89,7 +91,9 @@ fn near_targets(raw: &mut Vec<Raw>, source: &str, notes: &mut Vec<String>) -> Re
         notes.push(format!(
             "{source}: the zero of measured_mm is {zero_mm:.4} mm from that of target_mm; this is left out of the deviations."
         ));
-        raw.iter_mut().for_each(|reading| reading.value -= zero_mm);
+        for reading in raw.iter_mut() {
+            reading.value -= zero_mm;
+        }
     }
     let mut far = Vec::new();
     for (index, reading) in raw.iter_mut().enumerate().filter(|(_, reading)| reading.value.abs() > far_mm) {

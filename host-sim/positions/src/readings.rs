@@ -169,7 +169,7 @@ fn broken_off(mut test: Test) -> Test {
         numerics::median(&counts.iter().map(|count| *count as f64).collect::<Vec<_>>()).unwrap_or(0.0);
     let mut notes = Vec::new();
     for (run, count) in counts.iter().enumerate().filter(|(_, count)| (**count as f64) < usual) {
-        let last = of_run(run).last().map_or(0, |reading| reading.line);
+        let last = of_run(run).next_back().map_or(0, |reading| reading.line);
         notes.push(format!(
             "{}: line {last}: run {} ends after {count} of {usual} readings, which are used.",
             test.source,

@@ -26,6 +26,8 @@ pub struct Source<'a> {
     pub fit: &'a Fit,
     /// Its knots and course.
     pub grid: &'a Grid,
+    /// The targets, mm, which need not be the knots.
+    pub targets_mm: &'a [f64],
     /// Name of the axis.
     pub axis: &'a str,
     /// What closes its loop.
@@ -103,7 +105,7 @@ impl Effect {
     pub(crate) fn with_rivals(self, rivals: impl IntoIterator<Item = &'static str>) -> Self {
         let rivals: Vec<&'static str> = rivals.into_iter().collect();
         let certainty = if rivals.is_empty() { Certainty::Certain } else { Certainty::Ambiguous };
-        Self { rivals, certainty, ..self }
+        Self { certainty, rivals, ..self }
     }
 }
 

@@ -4,6 +4,7 @@ use files::format::{fixed, signed, significant};
 
 use super::analysis::{Analysis, FitValidate};
 use super::effect::{Certainty, Effect, Parameter};
+use super::iso::Position;
 
 /// Greatest number of effects in the sentence.
 const MAX_MENTIONED: usize = 3;
@@ -23,6 +24,7 @@ pub fn of(analysis: &Analysis) -> String {
         lines.push(String::new());
     }
     lines.extend(residuals(analysis));
+    lines.extend(floor(analysis));
     lines.extend(analysis.notes.iter().cloned());
     lines.join("\n")
 }
@@ -79,15 +81,22 @@ pub fn figures(analysis: &Analysis) -> Vec<String> {
             "{} runs, {} targets from {} to {} mm",
             analysis.test.runs(),
             analysis.positions.len(),
-            significant(analysis.positions.first().map_or(0.0, |at| at.target_mm), 5),
-            significant(analysis.positions.last().map_or(0.0, |at| at.target_mm), 5)
+            position(analysis.positions.first()),
+            position(analysis.positions.last())
         ),
     ];
     lines.extend(analysis.figure_notes.iter().cloned());
     lines
 }
 
-/// The residual before and after, what a table alone reaches, and the floor.
+/// A position to the micrometre, without zeros at its end.
+fn position(at: Option<&Position>) -> String {
+    let mm = at.map_or(0.0, |at| at.target_mm);
+    let rounded = (1e3 * mm).round() / 1e3;
+    rounded.to_string().replace('-', "−")
+}
+
+/// The residual before and after, and what a table alone reaches.
 #[must_use]
 pub fn residuals(analysis: &Analysis) -> Vec<String> {
     let residual = &analysis.residual;
@@ -104,13 +113,17 @@ pub fn residuals(analysis: &Analysis) -> Vec<String> {
     if let Some(um) = residual.left_out {
         lines.push(format!("{:<33} {:>6} µm rms", "runs left out of the fit", fixed(um, 2)));
     }
-    if let Some(um) = analysis.scatter_um {
-        lines.push(format!(
-            "A table cannot reach below the repeatability: ± {} µm (2s) scatter from approach to approach, which no model takes, and the drift from run to run on top.",
-            significant(2.0 * um, 2)
-        ));
-    }
     lines
+}
+
+/// What no table gets below; `None` where the readings do not tell the scatter.
+#[must_use]
+pub fn floor(analysis: &Analysis) -> Option<String> {
+    let um = analysis.scatter_um?;
+    Some(format!(
+        "A table cannot reach below the repeatability: ± {} µm (2s) scatter from approach to approach, which no model takes, and the drift from run to run on top.",
+        significant(2.0 * um, 2)
+    ))
 }
 
 /// The cells of an effect's row.

@@ -11,6 +11,9 @@ const TARGETS_PER_WAVE: usize = 6;
 /// Frequencies that are tried in the width of a line of the spectrum.
 const PER_LINE: f64 = 10.0;
 
+/// Most frequencies that are tried.
+const MAX_FREQUENCIES: u32 = 1000;
+
 /// Least period, as a multiple of the least distance of two targets: more than two targets a wave.
 const LEAST: f64 = 2.1;
 
@@ -18,13 +21,16 @@ const LEAST: f64 = 2.1;
 fn frequencies(grid: &Grid) -> Vec<f64> {
     let knots = &grid.knots_mm;
     let travel_mm = numerics::peak_to_peak(knots.iter().copied());
-    let least_mm = numerics::min(knots.windows(2).map(|pair| pair[1] - pair[0]));
+    let distances: Vec<f64> = knots.windows(2).map(|pair| pair[1] - pair[0]).collect();
     if knots.len() < 2 + TARGETS_PER_WAVE || travel_mm <= 0.0 {
         return Vec::new();
     }
+    // A few targets that are close together do not make the others so.
+    let least_mm = numerics::quantile(&distances, 0.1);
     let step = 1.0 / (PER_LINE * travel_mm);
     let highest = 1.0 / (LEAST * least_mm);
-    (0..).map(|count| 2.0 / 3.0 / travel_mm + f64::from(count) * step).take_while(|f| *f <= highest).collect()
+    let all = (0..MAX_FREQUENCIES).map(|count| 2.0 / 3.0 / travel_mm + f64::from(count) * step);
+    all.take_while(|f| *f <= highest).collect()
 }
 
 /// How many waves of different periods the targets can tell: as many lines has the spectrum.

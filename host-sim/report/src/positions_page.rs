@@ -14,7 +14,7 @@ use pages::plot::{Chart, Ink, Layer};
 use positions::Analysis;
 use positions::effect::Effect;
 use positions::measured::Way;
-use positions::text::{cells, figures, residuals, sentence};
+use positions::text::{cells, figures, floor, residuals, sentence};
 
 /// Writes the page into a folder, which is created if it does not exist, and returns its path.
 ///
@@ -153,6 +153,7 @@ fn left(analysis: &Analysis) -> Markup {
         ]))
         (figure("wide", &chart.svg(), "Measured less the effects found."))
         (preformatted(&residuals(analysis)))
+        @if let Some(floor) = floor(analysis) { (paragraph(&floor)) }
     }
 }
 
