@@ -110,7 +110,7 @@ pub fn choose(
     }
     note_ignored(header, &found, notes);
     let column = |(role, index): (Role, usize)| {
-        let factor = factor(role, &header.cells[index], request, source).map_err(at_header)?;
+        let factor = factor(role, &header.cells[index], request, (source, header.line))?;
         Ok(Column { role, index, factor })
     };
     units_are_used(request, &found)?;
@@ -178,18 +178,22 @@ fn likely<'a>(name: &str, among: impl Iterator<Item = &'a str>) -> Option<&'a st
     (likeness >= LIKENESS).then_some(best)
 }
 
-/// By what the numbers of a column are multiplied.
-fn factor(role: Role, cell: &str, request: &Request, source: &str) -> Result<f64, InputError> {
+/// By what the numbers of a column are multiplied. The header is in this line of the file.
+fn factor(
+    role: Role,
+    cell: &str,
+    request: &Request,
+    (source, line): (&str, usize),
+) -> Result<f64, InputError> {
     let Some((quantity, scale)) = role.quantity() else { return Ok(1.0) };
     let asked = request.units.iter().find(|unit| unit.ours == role.name()).map(|unit| unit.unit.as_str());
     // Our own name says the unit.
     let told = if cell == role.name() { None } else { split(cell).1 };
     let Some(unit) = asked.or(told) else { return Ok(1.0) };
-    let place = if asked.is_some() { "--unit" } else { source };
-    let factor = quantity.factor(unit);
-    let factor = factor
-        .ok_or_else(|| InputError::expected(place, quantity.allowed(), quoted(unit)).at_key(role.name()))?;
-    Ok(scale * factor)
+    let error =
+        |place: &str| InputError::expected(place, quantity.allowed(), quoted(unit)).at_key(role.name());
+    let at_place = || if asked.is_some() { error("--unit") } else { error(source).at_line(line) };
+    Ok(scale * quantity.factor(unit).ok_or_else(at_place)?)
 }
 
 /// Refuses a unit of a column that there is not.

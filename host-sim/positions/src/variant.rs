@@ -11,7 +11,7 @@ use super::course::Course;
 /// Mean of both directions over position.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mean {
-    /// The same everywhere.
+    /// Alike everywhere.
     Offset,
     /// A straight line.
     Line,
@@ -26,7 +26,7 @@ pub enum Mean {
 pub enum Gap {
     /// None.
     None,
-    /// The same everywhere.
+    /// Alike everywhere.
     Constant,
     /// A value at each knot.
     Map,
@@ -37,7 +37,7 @@ pub enum Gap {
 pub enum Drift {
     /// None.
     None,
-    /// The same everywhere.
+    /// Alike everywhere.
     Offset,
     /// A straight line over position.
     Line,

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
-use super::logs;
 use super::outputs::{Output, check_outputs, print, write_json};
 use ::import::budget::Budget;
 use ::import::request::{Mapping, UnitOf};
@@ -125,9 +124,7 @@ fn options(arguments: &Arguments) -> Result<Options, InputError> {
 fn test(path: &Path, request: &Request) -> Result<Test, InputError> {
     let source = path.display().to_string();
     let bytes = Budget::file().read(Head::open(path, &source)?.into_input(), &source)?;
-    let test = read(&bytes, &source, request)?;
-    logs::tell(&source, &[format!("{} runs, {} readings", test.runs(), test.readings.len())]);
-    Ok(test)
+    read(&bytes, &source, request)
 }
 
 /// The text of the machine file, checked as its reader does, and what is said about it.
