@@ -84,7 +84,7 @@ tests_of_host() {
 all_tests() {
   cargo test --release --test chip
   tests_of_host
-  cargo test --release --test second_simulator
+  cargo test --release --test second_simulator --test textbook --test measured
   cargo test --release --doc
   cargo test --release --examples
 }

@@ -164,10 +164,11 @@ fn the_sum_of_the_fanuc_points_is_the_error() {
     };
     let [reference, first, last, magnification, interval_um] =
         [3620, 3621, 3622, 3623, 3624].map(|number| value(&format!("N{number} A1 P")));
-    assert!(value("N1851 A1 P") == 6.0 && value("N1851 A2 P") == 9.0);
+    assert!(text.contains("N1851 A1 P6\n") && text.contains("N1851 A2 P9\n"));
     assert!(last - first < 128.0);
-    let steps: Vec<f64> =
-        (0..=(last - first) as usize).map(|k| value(&format!("N{} P", 10_000 + k))).collect();
+    let points = text.lines().filter(|line| line.starts_with("N100"));
+    let steps: Vec<f64> = points.map(|line| line.split_once(" P").unwrap().1.parse().unwrap()).collect();
+    assert!((steps.len() as f64 - (last - first + 1.0)).abs() < 0.5);
     assert!(steps.iter().all(|step| step.abs() <= 7.0));
     let mut sum_um = -error_um(-50.0);
     let row = |(k, step): (usize, &f64)| {

@@ -32,7 +32,7 @@ pub enum Ink {
     Grid,
     /// The line y = 0.
     Zero,
-    /// The band of the sensors' noise.
+    /// The band of the sensors' noise, as a surface.
     Noise,
     /// The declared model, as a line.
     Before,
@@ -154,7 +154,7 @@ impl Chart<'_> {
         }
         plane.draw(&PathElement::new(vec![(left, 0.0), (right, 0.0)], Ink::Zero.colour()))?;
         for layer in &self.layers {
-            if layer.ink == Ink::BeforeRange {
+            if matches!(layer.ink, Ink::BeforeRange | Ink::Noise) {
                 draw_surface(plane, layer.ink, layer.points.clone())?;
             } else {
                 plane.draw(&PathElement::new(layer.points.clone(), layer.ink.colour()))?;

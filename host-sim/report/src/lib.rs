@@ -13,6 +13,7 @@
 //! | `residual_plots` | residuals over time and over a `variable` |
 //! | `circle_plots` | a circle, from `contour::circle_fit` and `radial_deviation` |
 //! | [`circle_page`] | a circle alone, and what it is made of |
+//! | [`positions_page`] | a positioning test: figures, deviation over position, and what it is made of |
 //! | [`before_after`] | motions before, as predicted, and after a compensation |
 //! | [`ranking`] | the candidates of each round |
 
@@ -25,6 +26,7 @@ mod data_faults;
 pub mod friction_map;
 pub mod improvement_page;
 mod parameters;
+pub mod positions_page;
 mod radial_deviation;
 pub mod ranking;
 mod residual_plots;

@@ -17,6 +17,7 @@ mod logged_run;
 mod logs;
 mod margins;
 mod outputs;
+mod positions;
 mod progress;
 mod questions;
 mod reading;
@@ -61,6 +62,8 @@ enum Command {
     Board(board::Verb),
     /// Tell what a circle is made of, from its log or a ballbar's table, without a machine file.
     Circle(circle::Arguments),
+    /// Evaluate a positioning test after ISO 230-2 and tell what the deviations are made of, without a machine file.
+    Positions(positions::Arguments),
     /// Turn the effects of a model into the compensation that the controller applies, and predict the contour error.
     Compensate(compensate::Arguments),
     /// Run the same motions in fixed point, f32, f64 and with f32 positions, and compare errors and cost.
@@ -98,6 +101,7 @@ pub fn run() -> ExitCode {
         Command::Record(arguments) => record::run(&arguments),
         Command::Board(verb) => board::run(&verb),
         Command::Circle(arguments) => circle::run(&arguments),
+        Command::Positions(arguments) => positions::run(&arguments),
         Command::Compensate(arguments) => compensate::run(&arguments),
         Command::Margins(arguments) => margins::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),

@@ -12,6 +12,7 @@ mod improve;
 mod init;
 mod margins;
 mod other_controls;
+mod positions;
 mod refused;
 mod refused_lost_motion;
 mod reproduce;

@@ -110,17 +110,18 @@ fn a_drive_of_unknown_bandwidth_is_no_effect() {
 #[test]
 fn the_terms_of_a_pid_are_part_of_the_model() {
     let axis = Axis { pid: [1500.0, 0.02, 4e-3, 0.02], ..AXIS };
-    let left_um = |trace: &Trace| {
-        let motor = trace.axes[0].residuals.iter().find(|r| r.stage == model::effects::Stage::Motor).unwrap();
+    let left_um = |trace: &Identification| {
+        let motor =
+            trace.axes()[0].residuals.iter().find(|r| r.stage == model::effects::Stage::Motor).unwrap();
         motor.after.validate
     };
     let pid = "pid_i_per_s2 = 1500.0\npid_d = 0.02\npid_ff2_s = 4e-3\npid_deadband_um = 20.0\n";
     let known = traced(&axis, &format!("{KEYS}{pid}"), 9);
     // The steps of 50 µs of this simulator change the drive's gain of 400 1/s by 1 %: a part of it may be told, not as a fact.
-    for found in &known.axes[0].found {
+    for found in &known.axes()[0].found {
         let percent = found.effect.values()[0];
         assert!(found.effect.name() == "servo_mismatch" && percent.abs() < 1.5, "{found:?}");
-        assert!(!trace::certainty::is_certain(&known.axes[0], found), "{found:?}");
+        assert!(!trace::certainty::is_certain(&known.axes()[0], found), "{found:?}");
     }
     let without_um = left_um(&traced(&axis, KEYS, 9));
     assert!(

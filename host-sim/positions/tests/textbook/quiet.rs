@@ -1,0 +1,59 @@
+//! Nothing is found where nothing is.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::generator::{Axis, normal};
+
+/// Of 200 axes with noise alone, the effects found: five of a hundred are allowed for the offset, whose interval of 95 % may miss zero.
+#[test]
+fn noise_alone_has_no_effects() {
+    let mut names: Vec<&str> = Vec::new();
+    for seed in 0..200 {
+        let runs = if seed % 4 < 2 { 3 } else { 5 };
+        let analysis = Axis { runs, ..Axis::quiet(1.0) }.analysed(seed, seed % 2 == 0);
+        names.extend(analysis.effects.iter().map(|effect| effect.name));
+        assert!((analysis.scatter_um.unwrap() - 1.0).abs() < 0.3, "{seed}");
+    }
+    let offsets = names.iter().filter(|name| **name == "offset").count();
+    assert!(offsets <= 20, "{offsets}");
+    assert!(names.len() - offsets <= 2, "{names:?}");
+}
+
+/// Runs that differ by a random offset each, twice the noise, do not drift.
+#[test]
+fn runs_that_differ_by_chance_do_not_drift() {
+    let mut drifts = 0;
+    for seed in 0..100 {
+        let mut random = ChaCha8Rng::seed_from_u64(1000 + seed);
+        let axis = Axis::quiet(1.0);
+        let mut lines: Vec<String> = axis.table(seed, false).lines().map(str::to_owned).collect();
+        let offsets: Vec<f64> = (0..axis.runs).map(|_| 2e-3 * normal(&mut random)).collect();
+        for line in lines.iter_mut().skip(1) {
+            let cells: Vec<&str> = line.split(',').collect();
+            let offset = offsets[cells[0].parse::<usize>().unwrap() - 1];
+            let measured: f64 = cells[3].parse().unwrap();
+            *line = format!("{},{},{},{}", cells[0], cells[1], cells[2], measured + offset);
+        }
+        let request = positions::columns::Request::default();
+        let test = positions::readings::of_text(&lines.join("\n"), "x.csv", &request, Vec::new()).unwrap();
+        let analysis = positions::analyse(test, Vec::new(), &super::generator::options()).unwrap();
+        let has_drift = analysis
+            .effects
+            .iter()
+            .any(|effect| effect.name.contains("drift") || effect.name.contains("growth"));
+        if has_drift {
+            drifts += 1;
+            continue;
+        }
+        let offset = super::generator::effect(&analysis, "offset");
+        // The interval of the offset is that of five runs, not of 110 readings: mostly ± 2.5 µm.
+        let [low, high] = offset.map_or([-2.0, 2.0], |offset| match &offset.parameters["um"] {
+            positions::effect::Parameter::Number { ci95, .. } => ci95.unwrap(),
+            _ => panic!(),
+        });
+        assert!(high - low > 0.4, "{seed}: {low} {high}");
+    }
+    // A trend by chance in one of twenty.
+    assert!(drifts <= 10, "{drifts}");
+}
