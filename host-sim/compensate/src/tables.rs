@@ -90,8 +90,10 @@ fn pitch(screw: &Screw, travel_m: [f64; 2]) -> Option<Pitch> {
     let has_gap_map = !screw.gap_map.is_empty();
     (has_error || has_gap_map).then(|| Pitch {
         of: PitchSource::Screw,
-        forward: points(travel_m, |x| error_m(x) - if has_gap_map { screw.half_gap_m(x) } else { 0.0 }),
-        backward: has_gap_map.then(|| points(travel_m, |x| error_m(x) + screw.half_gap_m(x))),
+        forward: points(travel_m, |x| {
+            error_m(x) - if has_gap_map { screw.half_difference_m(x) } else { 0.0 }
+        }),
+        backward: has_gap_map.then(|| points(travel_m, |x| error_m(x) + screw.half_difference_m(x))),
     })
 }
 

@@ -64,9 +64,17 @@ impl Screw {
     #[must_use]
     #[inline]
     pub fn half_gap_m(&self, motor_m: f64) -> f64 {
-        let half_m = self.backlash.half_m();
         // Finite differences at width 0 evaluate a negative width.
-        (if self.gap_map.is_empty() { half_m } else { half_m + 0.5 * self.gap_map.value(motor_m) }).max(0.0)
+        self.half_difference_m(motor_m).max(0.0)
+    }
+
+    /// Half of the difference of the position errors in negative and in positive direction, m, at a true motor position (m): half of the
+    /// gap, or below zero where a positioning test shows a table that is ahead in the direction of motion, which no gap does.
+    #[must_use]
+    #[inline]
+    pub fn half_difference_m(&self, motor_m: f64) -> f64 {
+        let half_m = self.backlash.half_m();
+        if self.gap_map.is_empty() { half_m } else { half_m + 0.5 * self.gap_map.value(motor_m) }
     }
 
     /// Part of a deflection (nut − table, m) within the gap at a true motor position (m). It does not strain the spring

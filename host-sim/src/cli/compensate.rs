@@ -31,7 +31,7 @@ const MOTIONS: [(&str, &str); 2] = [
 /// A control that is not ours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum ControlArgument {
-    /// LinuxCNC: COMP_FILE or BACKLASH, lines of the INI file.
+    /// LinuxCNC: `COMP_FILE` or `BACKLASH`, lines of the INI file.
     Linuxcnc,
     /// Siemens SINUMERIK: leadscrew error compensation.
     Siemens,

@@ -112,6 +112,7 @@ fn compensated(command: Command, settings: &CompensationSettings) -> impl Fn(f64
     move |t: f64| {
         let x = command(t);
         let at = (1e-3 * x - table.start_m) / table.spacing_m;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index of the table")]
         let k = (at.floor().max(0.0) as usize).min(table.values.len() - 2);
         let error_m = table.values[k] + (at - k as f64) * (table.values[k + 1] - table.values[k]);
         let speed = (command(t + 1e-4) - command(t - 1e-4)) / 2e-4;
