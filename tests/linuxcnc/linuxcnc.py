@@ -84,7 +84,7 @@ def run_linuxcnc(folder, case, lines):
 
 
 def log(folder, name, case, seed):
-    """A log of LinuxCNC as ours, with the table behind its screw and gap, and noise of 50 nm."""
+    """A log of LinuxCNC as ours, with the tool behind screw and gap as a probe reads it, and noise of 50 nm."""
     raw, path = folder / f"{name}.raw.csv", folder / f"{name}.csv"
     columns = {"x_command_mm": 2, "x_motor_mm": 3, "y_command_mm": 4, "y_motor_mm": 5}
     maps = [word for ours, theirs in columns.items() for word in ("--map", f"{ours}={theirs}")]
@@ -92,7 +92,7 @@ def log(folder, name, case, seed):
     noise = random.Random(seed)
     with open(raw, newline="") as source, open(path, "w", newline="") as target:
         reader = csv.DictReader(source)
-        columns = ["x_command_mm", "x_motor_mm", "x_table_mm", "y_command_mm", "y_motor_mm", "y_table_mm"]
+        columns = ["x_command_mm", "x_motor_mm", "x_tool_mm", "y_command_mm", "y_motor_mm", "y_tool_mm"]
         if not case["gains"]:
             # A stepper motor without an encoder has no motor channel.
             columns = [name for name in columns if "motor" not in name]
@@ -106,7 +106,7 @@ def log(folder, name, case, seed):
                 table = motor + 1e-3 * screw_um(axis, motor) * case["has_errors"]
                 half = 5e-4 * GAP_UM[axis] * case["has_errors"]
                 behind[axis] = min(max(behind.get(axis, table), table - half), table + half)
-                values[f"{axis}_table_mm"] = behind[axis] + noise.gauss(0.0, 5e-5)
+                values[f"{axis}_tool_mm"] = behind[axis] + noise.gauss(0.0, 5e-5)
             writer.writerow([row["time_s"], *(f"{values[name]:.6f}" for name in columns)])
     return path
 

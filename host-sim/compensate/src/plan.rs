@@ -204,16 +204,20 @@ impl Planning<'_> {
             }
         }
         let is_below = |percent: Option<f64>| percent.is_none_or(|percent| percent < 100.0);
-        let controllers = || self.model.axis.values().map(|axis| &axis.settings.controller);
-        // A loop of which no gain is known may have any feed-forward, and a stepper motor has no loop.
-        let has_loops = controllers().all(|c| c.position_gain_per_s.is_some() && c.drive != Drive::Stepper);
-        if has_loops && controllers().any(|controller| is_below(controller.feedforward_percent)) {
+        let mut controllers = self.model.axis.values().map(|axis| &axis.settings.controller);
+        if self.has_loops() && controllers.any(|controller| is_below(controller.feedforward_percent)) {
             parts.push(Part::Feedforward);
         }
         if self.model.axis.values().any(|axis| axis.settings.controller.law == Some(Law::Hpc)) {
             parts.push(Part::Law);
         }
         parts
+    }
+
+    /// Whether all axes have a loop with a feed-forward: one of which no gain is known may have any, and a stepper motor has no loop.
+    fn has_loops(&self) -> bool {
+        let mut controllers = self.model.axis.values().map(|axis| &axis.settings.controller);
+        controllers.all(|c| c.position_gain_per_s.is_some() && c.drive != Drive::Stepper)
     }
 
     /// The compensation without the parts that are off.
@@ -252,7 +256,7 @@ impl Planning<'_> {
         let parameters = AxisParameters::of(&axis);
         let travel_m = mapped::known_m(&axis, mapped::travel_m(self.model, self.tests, index)?);
         let mut controller = ControllerChange::to_declared(&axis.settings, &parameters.servo);
-        if choice.has(&Part::Feedforward) {
+        if choice.has(&Part::Feedforward) && self.has_loops() {
             let Strength { percent, ahead_s, .. } = choice.strength;
             let set = percent - parameters.servo.feedforward.percent;
             controller.feedforward_percent = Some(set.clamp(0.0, 200.0));

@@ -160,6 +160,8 @@ fn for_control(control: Control, model: &Machine, file: &CompensationFile, folde
     }
     let remarks: String = written.remarks.iter().map(|remark| format!("- {remark}\n")).collect();
     let readme = ControlFile { name: "README.txt".to_owned(), text: remarks.clone() };
+    std::fs::create_dir_all(folder)
+        .map_err(|error| InputError::new("--out-dir", format!("{}: {error}", folder.display())))?;
     for file in written.files.iter().chain([&readme]) {
         write_whole(&folder.join(&file.name), |out| out.write_all(file.text.as_bytes()))?;
     }
