@@ -4,7 +4,7 @@ use files::format::significant;
 use files::log::{Channel, Unit};
 use pages::file_name;
 use trace::AxisIdentification;
-use trace::repair::{DataFault, FaultHandling, FaultKind};
+use trace::data_faults::{DataFault, FaultHandling, FaultKind};
 
 /// One sentence for each fault of an axis; a fault of the same kind and size in several logs is stated once.
 #[must_use]

@@ -6,8 +6,8 @@ use files::error::InputError;
 use files::format::significant;
 use files::log::{Channel, Log};
 use model::machine::Machine;
+use trace::data_faults::{DataFault, FaultKind, examine, interpolate_lost_rows};
 use trace::options::TraceOptions;
-use trace::repair::{DataFault, FaultKind, examine, interpolate_lost_rows};
 
 /// Logs before or after a change, and a sentence for each fault of their data.
 pub struct SoundLogs {

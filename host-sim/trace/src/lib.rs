@@ -14,12 +14,12 @@
 //! `fit`, `search` and the first part of `judge` see one axis; all axes are traced at the same time.
 //!
 //! What several steps need stands beside them: signals ([`input`]), [`prediction`] of each stage by a model, from the measured signal
-//! upstream of the stage, [`analysis`] of residuals, [`alignment`] (names of the machine that the measuring chain imitates), the way by
-//! which effects leave a model ([`dropped`]), thresholds ([`options`]).
+//! upstream of the stage, [`data_faults`], [`analysis`] of residuals, the way by which effects leave a model ([`dropped`]),
+//! thresholds ([`options`]).
 
 pub mod admit;
-pub mod alignment;
 pub mod analysis;
+pub mod data_faults;
 pub mod dropped;
 pub mod fit;
 pub mod input;

@@ -5,7 +5,7 @@ use model::effects::Stage;
 use model::machine::Machine;
 use report::sentences;
 use tests::cases;
-use trace::repair::{self, FaultKind};
+use trace::data_faults::{self, FaultKind};
 use trace::verdict::{self, Verdict};
 use trace::{Identification, TraceOptions, trace};
 
@@ -229,10 +229,10 @@ fn a_log_shorter_than_its_settling_is_refused() {
 }
 
 /// The faults of logs at their own rate.
-fn examined(machine: &Machine, logs: &[Log]) -> Vec<repair::DataFault> {
+fn examined(machine: &Machine, logs: &[Log]) -> Vec<data_faults::DataFault> {
     let options = TraceOptions::default();
-    let interpolated = repair::interpolate_lost_rows(machine, [logs, &[]], &options);
-    repair::examine(machine, interpolated, &options).unwrap().faults
+    let interpolated = data_faults::interpolate_lost_rows(machine, [logs, &[]], &options);
+    data_faults::examine(machine, interpolated, &options).unwrap().faults
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use files::log::{Channel, Log};
 use model::machine::Machine;
-use trace::repair::FaultKind;
+use trace::data_faults::FaultKind;
 use trace::trace;
 
 /// 60 nm at 50.02 Hz on both scales, 6 N on both forces.

@@ -1,8 +1,8 @@
 //! Logs at the rate of the machine.
 
 use super::sampling_rate;
+use crate::data_faults::examine::{Examined, interpolate_lost_rows};
 use crate::options::AdmissionOptions;
-use crate::repair::examine::{Examined, interpolate_lost_rows};
 use crate::task::{Job, Logs};
 use files::error::InputError;
 use model::machine::Machine;

@@ -35,9 +35,9 @@ mod tests {
 
     use super::super::admitted::at_machine_rate;
     use super::*;
+    use crate::data_faults::examine::Examined;
     use crate::input::signals::Signals;
     use crate::options::SampleOptions;
-    use crate::repair::examine::Examined;
     use files::log::{AxisLog, Log, Unit};
 
     const MACHINE: &str = "name = \"m\"\nsample_rate_hz = 1000.0\n[axis.x]\ntable_mass_kg = 100.0\ncontroller = \"p\"\n\

@@ -3,8 +3,10 @@
 //!
 //! [`confirmation`] drops effects until none is at a limit and none is refuted. Each effect is tested twice: as it was added, and by
 //! removing it from the final model ([`refutation`]). Both tests compare the [`likelihood`] of the validation logs. The remaining
-//! effects are [`found_effect`]s. Of long logs, [`mod@whole`] gives the values and residuals of all samples.
+//! effects are [`found_effect`]s. [`alignment`] says which names of the machine the measuring chain
+//! imitates. Of long logs, [`mod@whole`] gives the values and residuals of all samples.
 
+pub mod alignment;
 pub mod axis_findings;
 pub mod common_noise;
 pub mod confirmation;

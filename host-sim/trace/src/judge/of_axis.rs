@@ -1,5 +1,6 @@
 //! Step 5, the judgement of one axis: which hypotheses the validation logs leave, and what remains.
 
+use super::alignment::{self, drift_rate};
 use super::axis_findings::AxisFindings;
 use super::confirmation::{Confirmed, confirm};
 use super::declared_value::declared_values;
@@ -8,7 +9,6 @@ use super::misfit::{Evidence, is_of_another_machine};
 use super::not_testable::{EffectNotTestable, effects_not_testable};
 use super::remainder::Remainder;
 use super::tool_slopes::ToolSlopes;
-use crate::alignment::{self, drift_rate};
 use crate::analysis::free_run::{FreeRun, free_runs};
 use crate::dropped::{Dropped, Reason};
 use crate::fit::axis_data::AxisData;

@@ -1,9 +1,9 @@
 //! Step 5, the judgement of all axes together.
 
+use super::alignment;
 use super::axis_findings::AxisFindings;
 use super::findings::Findings;
 use super::whole::refinement::with_all_samples;
-use crate::alignment;
 use crate::repair::repaired::Repaired;
 use crate::task::Job;
 

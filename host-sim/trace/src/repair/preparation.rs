@@ -1,11 +1,11 @@
 //! Preparation of the pieces of logs that are evaluated.
 
+use crate::data_faults::excluded::{self, Excluded};
+use crate::data_faults::late_command::{self, Late};
 use crate::input::parts::Piece;
 use crate::input::saturation;
 use crate::input::signals::Signals;
 use crate::options::TraceOptions;
-use crate::repair::excluded::{self, Excluded};
-use crate::repair::late_command::{self, Late};
 use model::axis::Drive;
 use model::machine::{Axis, Machine};
 

@@ -4,14 +4,14 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use super::examine::{Examined, examine};
-use super::excluded::Excluded;
-use super::fault::DataFault;
-use super::late_command::{self, Late};
 use super::preparation::Preparation;
 use crate::admit::admitted::Admitted;
 use crate::admit::checks;
 use crate::admit::usable::usable;
+use crate::data_faults::examine::{Examined, examine};
+use crate::data_faults::excluded::Excluded;
+use crate::data_faults::fault::DataFault;
+use crate::data_faults::late_command::{self, Late};
 use crate::fit::axis_data::AxisData;
 use crate::fit::declared_machine::DeclaredMachine;
 use crate::fit::held_effects;

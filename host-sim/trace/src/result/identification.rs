@@ -3,13 +3,13 @@
 use std::ops::Deref;
 
 use super::distinguishing_motion::Proposal;
+use crate::data_faults::DataFault;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::declared_machine::DeclaredMachine;
 use crate::fit::fit_data::FitData;
 use crate::input::signals::Signals;
 use crate::judge::axis_findings::AxisFindings;
 use crate::options::TraceOptions;
-use crate::repair::DataFault;
 use crate::search::ambiguity::Ambiguity;
 use model::machine::Machine;
 

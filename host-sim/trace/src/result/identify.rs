@@ -3,11 +3,11 @@
 use super::certainty::{Doubted, doubted};
 use super::distinguishing_motion::{Proposal, propose};
 use super::identification::{AxisIdentification, Identification, better_machine};
+use crate::data_faults::fault::{DataFault, FaultHandling};
 use crate::input::signals::Signals;
 use crate::judge::axis_findings::AxisFindings;
 use crate::judge::findings::Findings;
 use crate::options::TraceOptions;
-use crate::repair::fault::{DataFault, FaultHandling};
 use crate::repair::repaired::Repaired;
 use model::machine::Machine;
 

@@ -1,4 +1,4 @@
-//! Step 6, the result: [`identify`] takes repaired logs and findings, and returns the [`Identification`], which nothing changes.
+//! Step 6, the result: [`identify()`] takes repaired logs and findings, and returns the [`Identification`], which nothing changes.
 //!
 //! [`certainty`] states what speaks against the effects found (with [`displaced_head`]), [`distinguishing_motion`] proposes motions
 //! that tell more. [`verdict`] says whether the model explains the logs; [`json`] is the result as JSON.

@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::identification::{AxisIdentification, Identification};
+use crate::data_faults::FaultHandling;
 use crate::judge::axis_findings::StageResidual;
-use crate::repair::FaultHandling;
 
 /// Agreement of model and logs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, JsonSchema)]

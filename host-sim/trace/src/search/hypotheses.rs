@@ -3,7 +3,7 @@
 use super::assumption::{self, Searched};
 use super::effect_search::EffectSearch;
 use super::round::Round;
-use crate::alignment::wave;
+use super::scale_waves::with_waves_of_scale;
 use crate::fit::axis_data::AxisData;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::baseline::Baseline;
@@ -81,7 +81,7 @@ impl Steps<'_> {
         for scope in self.scopes {
             let fit = match self.job.request.task {
                 Task::Search if scope.stages == [Stage::Tool] => {
-                    search.search(&wave::with_waves_of_scale(self.data, model, scope), scope)
+                    search.search(&with_waves_of_scale(self.data, model, scope), scope)
                 }
                 Task::Search => search.search(&model, scope),
                 Task::Evaluate => {

@@ -23,6 +23,7 @@ pub mod refinement;
 pub mod residual_samples;
 pub mod residual_shape;
 pub mod round;
+pub mod scale_waves;
 pub mod several_of_kind;
 
 pub use hypotheses::{Hypotheses, search};

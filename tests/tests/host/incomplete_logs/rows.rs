@@ -3,7 +3,7 @@
 use files::log::{Channel, Log};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trace::repair::FaultKind;
+use trace::data_faults::FaultKind;
 use trace::trace;
 
 use super::case::Case;

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use files::log::{Channel, Log};
 use model::effects::Stage;
 use trace::Identification;
-use trace::repair::FaultKind;
+use trace::data_faults::FaultKind;
 
 use super::machine::TestMachine;
 use super::reported::{assert_named, context};

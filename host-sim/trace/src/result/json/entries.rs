@@ -4,10 +4,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::figures::{Channel, number};
+use crate::data_faults::fault;
 use crate::fit::scope;
 use crate::judge::declared_value::{self, DeclaredValue};
 use crate::judge::not_testable::EffectNotTestable;
-use crate::repair::fault;
 use crate::result::distinguishing_motion::Proposal;
 use crate::result::identification::AxisIdentification;
 use crate::search::ambiguity::Ambiguity;

@@ -1,4 +1,4 @@
-//! Waves and growth of the scale against those of screw and motor encoder.
+//! Waves of the scale in the place of those of screw and motor encoder.
 //!
 //! A wave of the scale's reading looks in the table stage like a wave of the screw. The tool, which is predicted from the scale, then
 //! has the same wave with the opposite sign; with a wave of the screw it has none.
@@ -6,12 +6,7 @@
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
 use crate::fit::scope::Scope;
-use crate::judge::found_effect::FoundEffect;
-use model::axis::Settings;
-use model::effects::{Effect, Stage, harmonic};
-
-/// Share of a wave that the tool shows, up to which it is not that of the scale.
-const LEAST_SHARE: f64 = 0.15;
+use model::effects::{Effect, Stage};
 
 /// The model with another effect in the place of a found one, by its index.
 fn with_exchanged(model: &AxisModel, found: usize, effect: Effect) -> AxisModel {
@@ -54,6 +49,17 @@ impl Sums {
     }
 }
 
+/// Share of a found wave, by its index, that the tool shows: 1 if it is the scale's, whose effect is given, 0 if the tool follows it.
+#[must_use]
+pub fn share_of_scale(
+    data: &FitData<'_>,
+    model: &AxisModel,
+    (found, of_scale): (usize, Effect),
+    tool: &Scope,
+) -> f64 {
+    Sums::of(data, model, &with_exchanged(model, found, of_scale), tool).share()
+}
+
 /// The model in which waves are the scale's where that removes a part of the tool's residual, before other effects of the tool are
 /// known.
 #[must_use]
@@ -68,29 +74,4 @@ pub fn with_waves_of_scale(data: &FitData<'_>, mut model: AxisModel, tool: &Scop
         }
     }
     model
-}
-
-/// Names the scale as a rival of the waves for which the tool decides neither way; `tool`: its scope, if it can be evaluated.
-pub fn doubt(data: &FitData<'_>, model: &AxisModel, tool: Option<&Scope>, found: &mut [FoundEffect]) {
-    let [lowest_mm, highest_mm] = data.travel_mm();
-    for one in found {
-        let Some(rival) = one.effect.of_scale() else { continue };
-        let index = model.found().iter().position(|effect| effect.is_same(&one.effect));
-        let is_of_machine = match (tool, index) {
-            (Some(tool), Some(index)) => {
-                let exchanged = with_exchanged(model, index, rival.clone());
-                Sums::of(data, model, &exchanged, tool).share() < LEAST_SHARE
-            }
-            _ => is_of_a_turn(&one.effect, &model.axis.settings, highest_mm - lowest_mm),
-        };
-        if !is_of_machine {
-            one.rivals.push(rival);
-        }
-    }
-}
-
-/// Whether a wave has a whole number of periods per turn of the motor or per electrical period: then it is hardly the scale's.
-fn is_of_a_turn(effect: &Effect, settings: &Settings, travel_mm: f64) -> bool {
-    let (Some(wave), Some(lead_mm)) = (effect.wave(), settings.mechanics.lead_mm) else { return false };
-    harmonic::order(wave.period_mm, lead_mm, travel_mm).is_some()
 }
