@@ -18,7 +18,7 @@ use crate::watched::{Watch, Watched};
 use crate::{force, tables};
 use contour::ContourError;
 use contour::verification::Prediction;
-use model::axis::{Drive, Law};
+use model::axis::{Drive, Law, Settings};
 use model::effects::Effect;
 use plant::equivalent::{self, Assumed};
 use plant::machine_path::MachinePath;
@@ -287,7 +287,7 @@ impl Planning<'_> {
                 .filter(|_| has_stretch)
                 .map(|spring| choice.strength.stretch / spring.stiffness_n_per_m);
         }
-        limit(&mut compensation, axis.settings.controller.force_limit_n);
+        limit(&mut compensation, &axis.settings);
         let has_tables = !mapped::over_position(&compensation).is_empty();
         let mapped_m = if has_tables { Some(travel_m) } else { mapped::maps_m(&self.model.axis[index]) };
         let mapped_mm = mapped_m.map(|ends| ends.map(|m| 1e3 * m));
@@ -295,10 +295,12 @@ impl Planning<'_> {
     }
 }
 
-/// Bounds of corrections and force. A correction of 10 mm/s follows a reversal of some µm within a millisecond.
-fn limit(compensation: &mut CompensationSettings, force_limit_n: Option<f64>) {
+/// Bounds of corrections and force. A correction of 10 mm/s follows a reversal of some µm within a millisecond; of an axis whose loops are
+/// not known, one of 2 mm/s, which no loop follows too far.
+fn limit(compensation: &mut CompensationSettings, settings: &Settings) {
+    let force_limit_n = settings.controller.force_limit_n;
     compensation.position_bound_m = 1e-3;
-    compensation.position_rate_m_per_s = 0.01;
+    compensation.position_rate_m_per_s = if settings.has_mass() { 0.01 } else { 0.002 };
     compensation.force_bound_n = force_limit_n.map_or(5000.0, |limit_n| (0.5 * limit_n).min(20_000.0));
     compensation.force_rate_n_per_s = 1e6;
 }

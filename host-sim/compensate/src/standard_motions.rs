@@ -8,6 +8,7 @@ use crate::prediction::TestMotion;
 use files::error::InputError;
 use model::machine::Machine;
 use motion::{Block, Motion, Pace, Sweep};
+use plant::equivalent;
 
 /// Strokes between reversals, mm, with their feeds, mm/s: from creeping through presliding to brisk.
 const REVERSALS: [(f64, f64); 5] = [(0.05, 0.1), (0.2, 0.5), (1.0, 2.5), (4.0, 10.0), (12.0, 40.0)];
@@ -36,11 +37,14 @@ const CIRCLE: (f64, f64) = (50.0, 25.0);
 const CREEPING: (f64, f64) = (0.1, 0.1);
 
 /// The standard motions of a machine within the travel of other motions, as far as the model knows it. They start at `start_s` on
-/// the session clock.
+/// the session clock. There are none for a machine whose loops or masses are not known: what these motions show hangs on both.
 ///
 /// # Errors
 /// If one of the motions does not fit the machine.
 pub fn all(machine: &Machine, tests: &[TestMotion], start_s: f64) -> Result<Vec<TestMotion>, InputError> {
+    if !equivalent::is_known(machine) {
+        return Ok(Vec::new());
+    }
     let axis = |(index, (name, axis))| {
         let travel_m = mapped::known_m(axis, mapped::travel_m(machine, tests, index)?);
         Ok((String::clone(name), travel_m.map(|m| 1e3 * m)))

@@ -31,6 +31,9 @@ const USUAL_TIME_CONSTANT_S: f64 = 5e-3;
 const NO_PID: &str =
     "of its position loop, P and the feed-forward of the velocity are simulated, the keys pid_… are not";
 
+/// A slower integral part does nothing during a motion.
+const LEAST_INTEGRAL_PER_S: f64 = 0.1;
+
 /// Ticks of the velocity loop per time constant, and the most per tick of the position loop.
 const TICKS: (f64, f64) = (4.0, 8.0);
 
@@ -63,10 +66,10 @@ struct Loop {
 /// A loop that follows its command a tick later: its integral part removes the lag of the velocity. With a feed-forward ahead of the
 /// command, it would follow a step of a compensation twice as far.
 const FOLLOWING: Loop = Loop {
-    position_gain_per_s: 100.0,
+    position_gain_per_s: 50.0,
     feedforward_percent: 100.0,
-    time_constant_s: 5e-4,
-    integral_time_s: Some(0.01),
+    time_constant_s: 2.5e-4,
+    integral_time_s: Some(0.02),
     assumed: None,
 };
 
@@ -93,7 +96,8 @@ impl Loop {
                 Some("masses or gains are not known; its velocity is simulated with a time constant of 5 ms")
             }
         };
-        let integral_per_s = positive(offsets.velocity_integral_per_s).filter(|_| is_velocity);
+        let integral_per_s = positive(offsets.velocity_integral_per_s)
+            .filter(|per_s| is_velocity && *per_s > LEAST_INTEGRAL_PER_S);
         Self {
             position_gain_per_s,
             feedforward_percent: controller.feedforward_percent.unwrap_or(0.0),
@@ -110,11 +114,17 @@ fn is_complete(axis: &Axis) -> bool {
     settings.has_mass() && servo::settings(settings, &AxisParameters::of(axis).servo).is_ok()
 }
 
+/// Whether a machine can be simulated as it is declared.
+#[must_use]
+pub fn is_known(machine: &Machine) -> bool {
+    machine.structure.is_some() || machine.axis.values().all(is_complete)
+}
+
 /// The machine with a simulated loop and mass for each axis that lacks them, and what is assumed of it. A machine of which all is known
 /// is returned as it is.
 #[must_use]
 pub fn of(machine: &Machine) -> (Cow<'_, Machine>, Vec<Assumed>) {
-    if machine.structure.is_some() || machine.axis.values().all(is_complete) {
+    if is_known(machine) {
         return (Cow::Borrowed(machine), Vec::new());
     }
     let mut equivalent = machine.clone();
