@@ -63,8 +63,8 @@ struct Loop {
     assumed: Option<&'static str>,
 }
 
-/// A loop that follows its command a tick later: its integral part removes the lag of the velocity. With a feed-forward ahead of the
-/// command, it would follow a step of a compensation twice as far.
+/// A loop that follows its command, in steady motion without an error: its integral part removes the lag of the velocity. With a
+/// feed-forward ahead of the command, it would follow a step of a compensation twice as far.
 const FOLLOWING: Loop = Loop {
     position_gain_per_s: 50.0,
     feedforward_percent: 100.0,

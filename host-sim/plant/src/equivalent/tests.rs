@@ -45,8 +45,8 @@ fn a_velocity_drive_lags_as_its_loop() {
     assert!((lag_um(0.15) - 1340.0).abs() < 20.0, "{}", lag_um(0.15));
 }
 
-/// The motor follows a tick of 1 ms and the time constant of 0.25 ms or less later: at 100 mm/s by 100 to 125 µm. The table turns
-/// late by 4 µm of gap and twice 3 µm of the rotor.
+/// In steady motion the motor is where its command is: the velocity has no error, and the position gain removes that of the start. The table
+/// turns late by 4 µm of gap and twice 3 µm of the rotor.
 #[test]
 fn a_stepper_motor_follows_its_command_and_its_table_turns_late() {
     let effects = "[[axis.x.effect]]\nname = \"lost_motion\"\nwidth_um = 4.0\n\
@@ -56,9 +56,9 @@ fn a_stepper_motor_follows_its_command_and_its_table_turns_late() {
     let log = run(&machine);
     let x = &log.axes[0];
     let [there_s, back_s] = [0.4, 1.2];
-    for (at_s, direction) in [(there_s, 1.0), (back_s, -1.0)] {
-        let lag_um = direction * difference_um(&log, [&x.command, &x.motor], at_s);
-        assert!((95.0..130.0).contains(&lag_um), "{at_s} s: {lag_um}");
+    for at_s in [there_s, back_s] {
+        let lag_um = difference_um(&log, [&x.command, &x.motor], at_s);
+        assert!(lag_um.abs() < 0.5, "{at_s} s: {lag_um}");
     }
     let behind_um = |at_s: f64| difference_um(&log, [&x.motor, &x.table], at_s);
     let width_um = behind_um(there_s) - behind_um(back_s);
