@@ -50,12 +50,11 @@ CASES = [
 
 
 def lost_motion(*arguments):
-    """Runs the program; its output."""
+    """Runs the program and shows its output. It ends with 1 where a motion became worse, which is judged at the end."""
     done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True)
     if done.returncode not in (0, 1):
         sys.exit(f"lost-motion {' '.join(map(str, arguments))}: {done.stderr}")
     print(done.stdout, flush=True)
-    return done.returncode
 
 
 def run_linuxcnc(folder, case, lines):
@@ -112,14 +111,14 @@ def log(folder, name, case, seed):
 
 
 def joint_lines(folder):
-    """The lines of each joint in `joints.ini`."""
+    """The lines of each joint in `joints.ini`, with each COMP_FILE where it is."""
     lines, joint = {}, None
     path = folder / "joints.ini"
     for line in path.read_text().splitlines() if path.exists() else []:
         if line.startswith("[JOINT_"):
             joint = int(line[7:-1])
         elif joint is not None:
-            lines[joint] = lines.get(joint, "") + line + "\n"
+            lines[joint] = lines.get(joint, "") + line.replace("COMP_FILE = ", f"COMP_FILE = {folder}/") + "\n"
     return lines
 
 
@@ -140,12 +139,8 @@ def run(case, number):
                 before["square"], "--model", better, "--json", folder / "trace.json")
     lost_motion("compensate", "--model", better, "--motion", folder / "circle.toml", "--out", file, "--json",
                 folder / "c.json", "--format", "linuxcnc", "--out-dir", folder / "remedy")
-    lines = joint_lines(folder / "remedy")
-    after_folder = folder / "after"
-    # The COMP_FILEs are read from the folder of the INI file.
-    tables = list((folder / "remedy").glob("*.comp"))
-    run_with_tables(after_folder, case, lines, tables)
-    after = log(after_folder, "circle", case, seed + 50)
+    run_linuxcnc(folder / "after", case, joint_lines(folder / "remedy"))
+    after = log(folder / "after", "circle", case, seed + 50)
     lost_motion("verify", "--machine", machine, "--before", before["circle"], "--after", after, "--predicted", file,
                 "--json", folder / "verify.json", "--report", folder / "report")
     [motion] = json.loads((folder / "verify.json").read_text())["motions"]
@@ -153,17 +148,6 @@ def run(case, number):
     found = [effect["name"] for effect in json.loads((folder / "trace.json").read_text())["effects"]]
     return {"drive": case["name"], "effects": found,
             "contour_error_um": {key: errors[key]["rms"] for key in ("before", "predicted", "after")}}
-
-
-def run_with_tables(folder, case, lines, tables):
-    """As run_linuxcnc, with COMP_FILEs."""
-    absolute = {joint: text.replace("COMP_FILE = ", f"COMP_FILE = {folder}/") for joint, text in lines.items()}
-    parent = folder.parent / "tables"
-    parent.mkdir()
-    for table in tables:
-        shutil.copy(table, parent / table.name)
-    absolute = {joint: text.replace(f"{folder}/", f"{parent}/") for joint, text in absolute.items()}
-    run_linuxcnc(folder, case, absolute)
 
 
 def main():

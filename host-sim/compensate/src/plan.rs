@@ -18,7 +18,7 @@ use crate::watched::{Watch, Watched};
 use crate::{force, tables};
 use contour::ContourError;
 use contour::verification::Prediction;
-use model::axis::{Drive, Law, Settings};
+use model::axis::{Controller, Drive, Law, Settings};
 use model::effects::Effect;
 use plant::equivalent::{self, Assumed};
 use plant::machine_path::MachinePath;
@@ -80,13 +80,14 @@ impl Planning<'_> {
         let mut file = self.file(&choice)?;
         let after_um = total_rms_um(&self.errors(&file)?);
         let beyond = self.leaving(&file)?;
-        file.predicted = self.predictions(&file, &beyond)?;
+        let assumed = equivalent::of(self.model).1;
+        file.predicted = self.predictions(&file, &beyond, assumed.is_empty())?;
         let without = self.without_each(&choice)?.into_iter();
         let items =
             without.map(|(part, before_um)| self.item((&part, &choice), before_um, after_um)).collect();
         let not_compensated = self.not_compensated(&choice.off, &LeftOut { idle, unknown, worse });
         let watched = watch.figures(&file)?;
-        Ok(Plan { file, items, not_compensated, watched, beyond, assumed: equivalent::of(self.model).1 })
+        Ok(Plan { file, items, not_compensated, watched, beyond, assumed })
     }
 
     /// The motions that leave the mapped travel of a file, by their names.
@@ -101,16 +102,16 @@ impl Planning<'_> {
     }
 
     /// The predictions of the motions: without the noise of the probe, which each log has its own of. Beyond the mapped travel
-    /// nothing is known of the error.
+    /// nothing is known of the error, and little where a loop is not known.
     fn predictions(
         &self,
         file: &CompensationFile,
         beyond: &[(String, Vec<Beyond>)],
+        has_known_loops: bool,
     ) -> Result<Vec<Prediction>, PredictionError> {
         let mut predictions = prediction::predictions(self.model, file, self.tests, self.instruments)?;
-        let is_known = equivalent::of(self.model).1.is_empty();
         for prediction in &mut predictions {
-            prediction.bound_percent = if is_known { BOUND_PERCENT } else { UNKNOWN_PERCENT };
+            prediction.bound_percent = if has_known_loops { BOUND_PERCENT } else { UNKNOWN_PERCENT };
             if let Some((_, axes)) = beyond.iter().find(|(name, _)| *name == prediction.motion) {
                 prediction.bound_percent = UNKNOWN_PERCENT;
                 prediction.beyond_mapped = axes.iter().map(|beyond| beyond.axis.clone()).collect();
@@ -140,9 +141,8 @@ impl Planning<'_> {
     /// Mean time constant of the drives whose velocity is commanded, as far as a trace has fitted them, s; 0: there is none.
     fn drive_time_constant_s(&self) -> f64 {
         let axes = self.model.axis.values().filter(|axis| axis.settings.controller.drive == Drive::Velocity);
-        let fitted_ms = axes.filter_map(|axis| axis.log_offsets?.velocity_time_constant_ms);
-        let fitted_ms: Vec<f64> = fitted_ms.collect();
-        if fitted_ms.is_empty() { 0.0 } else { 1e-3 * numerics::mean(fitted_ms) }
+        let fitted_s = axes.map(|axis| axis.fitted_velocity_drive().time_constant_s);
+        numerics::mean(fitted_s.filter(|fitted_s| *fitted_s > 0.0))
     }
 
     /// The errors over the position that motions leave far behind.
@@ -204,11 +204,10 @@ impl Planning<'_> {
             }
         }
         let is_below = |percent: Option<f64>| percent.is_none_or(|percent| percent < 100.0);
-        let mut controllers = self.model.axis.values().map(|axis| &axis.settings.controller);
-        if self.has_loops() && controllers.any(|controller| is_below(controller.feedforward_percent)) {
+        if self.has_loops() && self.controllers().any(|c| is_below(c.feedforward_percent)) {
             parts.push(Part::Feedforward);
         }
-        if self.model.axis.values().any(|axis| axis.settings.controller.law == Some(Law::Hpc)) {
+        if self.controllers().any(|controller| controller.law == Some(Law::Hpc)) {
             parts.push(Part::Law);
         }
         parts
@@ -216,8 +215,11 @@ impl Planning<'_> {
 
     /// Whether all axes have a loop with a feed-forward: one of which no gain is known may have any, and a stepper motor has no loop.
     fn has_loops(&self) -> bool {
-        let mut controllers = self.model.axis.values().map(|axis| &axis.settings.controller);
-        controllers.all(|c| c.position_gain_per_s.is_some() && c.drive != Drive::Stepper)
+        self.controllers().all(|c| c.position_gain_per_s.is_some() && c.drive != Drive::Stepper)
+    }
+
+    fn controllers(&self) -> impl Iterator<Item = &Controller> {
+        self.model.axis.values().map(|axis| &axis.settings.controller)
     }
 
     /// The compensation without the parts that are off.

@@ -51,16 +51,10 @@ fn list(axis: &AxisErrors<'_>, table: &ErrorTable) -> String {
     for (i, position_mm) in table.positions_mm().enumerate() {
         let _ = writeln!(text, "kw.ssfk.table[{i}].setpoint          {:.0}", PER_MM * position_mm);
     }
-    let half_um = 0.5 * axis.backlash_um;
-    for (direction, errors_um, half_um) in
-        [("pos", &table.forward_um, -half_um), ("neg", &table.backward_um, half_um)]
-    {
-        for (i, error_um) in errors_um.iter().enumerate() {
-            let _ = writeln!(
-                text,
-                "kw.ssfk.table[{i}].{direction}               {:.0}",
-                PER_UM * (error_um + half_um)
-            );
+    for (direction, column) in [("pos", 1), ("neg", 2)] {
+        for (i, row) in axis.rows().enumerate() {
+            let _ =
+                writeln!(text, "kw.ssfk.table[{i}].{direction}               {:.0}", PER_UM * row[column]);
         }
     }
     text

@@ -1,23 +1,23 @@
 //! Controls, and the files for one.
 
 /// A control with its own files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Control {
-    /// LinuxCNC: `COMP_FILE` or `BACKLASH`, and gains of its pid.
+    /// LinuxCNC: `COMP_FILE` or `BACKLASH`, lines of the INI file.
     Linuxcnc,
     /// Siemens SINUMERIK: leadscrew error compensation.
     Siemens,
-    /// Heidenhain: non-linear axis-error compensation.
+    /// Heidenhain: tables .COM.
     Heidenhain,
-    /// Fanuc: stored pitch error compensation.
+    /// Fanuc: parameters of the stored pitch error compensation.
     Fanuc,
-    /// Beckhoff `TwinCAT` CNC: leadscrew error compensation.
+    /// Beckhoff `TwinCAT` CNC: list kw.ssfk.
     Beckhoff,
-    /// grblHAL: backlash.
+    /// grblHAL: settings of the backlash.
     Grblhal,
-    /// Marlin: backlash.
+    /// Marlin: M425.
     Marlin,
-    /// Tables for any other control.
+    /// Position, error in both directions.
     Csv,
 }
 

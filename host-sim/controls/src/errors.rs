@@ -23,7 +23,7 @@ pub struct AxisErrors<'a> {
     pub compensation: &'a AxisCompensation,
     /// Errors over the position; `None`: there are none.
     pub table: Option<ErrorTable>,
-    /// Way of the command after a reversal before the table follows, where it is the same everywhere, µm.
+    /// Travel of the command after a reversal before the table follows, where it is the same everywhere, µm.
     pub backlash_um: f64,
     /// Why periodic errors are not in the table.
     pub unresolved: Option<String>,
@@ -77,6 +77,25 @@ impl<'a> AxisErrors<'a> {
     #[must_use]
     pub fn upper(&self) -> String {
         self.axis.to_uppercase()
+    }
+
+    /// Position, mm, and error in positive and in negative direction, µm, with half of the backlash each: the table is behind in the
+    /// direction of motion. Without a table over the position there are no rows.
+    pub fn rows(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
+        let half_um = 0.5 * self.backlash_um;
+        self.table.iter().flat_map(move |table| {
+            let errors = table.forward_um.iter().zip(&table.backward_um);
+            table
+                .positions_mm()
+                .zip(errors)
+                .map(move |(mm, (forward_um, backward_um))| [mm, forward_um - half_um, backward_um + half_um])
+        })
+    }
+
+    /// The backlash, with the mean by which the directions of the table differ, µm: for a control with one table of both.
+    #[must_use]
+    pub fn mean_backlash_um(&self) -> f64 {
+        self.backlash_um + self.table.as_ref().map_or(0.0, ErrorTable::mean_difference_um)
     }
 
     /// Whether a control has something to compensate over the position.
@@ -150,6 +169,11 @@ impl ErrorTable {
         self.forward_um.iter().zip(&self.backward_um).map(|(forward, backward)| 0.5 * (forward + backward))
     }
 
+    /// Mean difference of the errors in negative and in positive direction, µm.
+    fn mean_difference_um(&self) -> f64 {
+        numerics::mean(self.backward_um.iter().zip(&self.forward_um).map(|(back, forth)| back - forth))
+    }
+
     /// Whether the directions differ by more than the backlash.
     #[must_use]
     pub fn has_directions(&self) -> bool {
@@ -167,27 +191,24 @@ fn travel_mm(compensation: &AxisCompensation) -> Option<[f64; 2]> {
     pitch.map(|pitch| of_points(&pitch.forward)).or(compensation.mapped_mm)
 }
 
-/// A table of the controller at a position, m: linear, beyond its ends the last value.
+/// A table of the controller at a position, m; beyond its ends the last value.
 fn linear(points: &Points, x_m: f64) -> f64 {
     let last = points.values.len() - 1;
     let at = ((x_m - points.start_m) / points.spacing_m).clamp(0.0, last as f64);
-    interpolated(&points.values, at, last)
+    interpolated(|k| points.values[k.min(last)], at)
 }
 
-/// A periodic table at a position, m.
+/// A periodic table of the controller at a position, m.
 fn periodic(cycle: &Cycle, x_m: f64) -> f64 {
     let count = cycle.values.len();
     let at = (x_m / cycle.period_m).rem_euclid(1.0) * count as f64;
-    let next = |k: usize| cycle.values[k % count];
+    interpolated(|k| cycle.values[k % count], at)
+}
+
+/// Linear between the values at whole numbers.
+fn interpolated(value: impl Fn(usize) -> f64, at: f64) -> f64 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index of the table")]
     let k = at.floor() as usize;
     let part = at - k as f64;
-    next(k) * (1.0 - part) + next(k + 1) * part
-}
-
-fn interpolated(values: &[f64], at: f64, last: usize) -> f64 {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index of the table")]
-    let k = (at.floor() as usize).min(last.saturating_sub(1));
-    let part = at - k as f64;
-    values[k] * (1.0 - part) + values[(k + 1).min(last)] * part
+    value(k) * (1.0 - part) + value(k + 1) * part
 }

@@ -24,14 +24,11 @@ pub fn write(axes: &[AxisErrors<'_>]) -> Written {
     let mut text = String::new();
     for axis in axes.iter().filter(|axis| axis.has_errors()) {
         let number = axis.number + 1;
-        let mut backlash_um = axis.backlash_um;
         let _ = writeln!(text, "; axis {}", axis.axis);
         if let Some(table) = &axis.table {
-            let widths = table.backward_um.iter().zip(&table.forward_um).map(|(back, forth)| back - forth);
-            backlash_um += numerics::mean(widths);
             text += &points(axis, table);
         }
-        let _ = writeln!(text, "N1851 A{number} P{:.0}", backlash_um / DETECTION_UM);
+        let _ = writeln!(text, "N1851 A{number} P{:.0}", axis.mean_backlash_um() / DETECTION_UM);
     }
     if !text.is_empty() {
         written.files.push(ControlFile { name: "parameters.txt".to_owned(), text });
@@ -51,7 +48,7 @@ fn points(axis: &AxisErrors<'_>, table: &ErrorTable) -> String {
     let magnification = (numerics::max_abs(steps()) / GREATEST).ceil().max(1.0);
     let first = axis.number * POINTS_PER_AXIS;
     let last = first + wanted.len() - 1;
-    // The point at or before the position 0, or the nearest end.
+    // The point nearest to the position 0.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index of the table")]
     let at_reference =
         (-table.start_mm / table.spacing_mm).round().clamp(0.0, (wanted.len() - 1) as f64) as usize;

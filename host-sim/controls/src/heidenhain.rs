@@ -14,7 +14,7 @@ use crate::errors::AxisErrors;
 pub fn write(axes: &[AxisErrors<'_>]) -> Written {
     let mut written = Written::default();
     for axis in axes {
-        let Some(table) = &axis.table else {
+        if axis.table.is_none() {
             if axis.backlash_um > 0.0 {
                 written.remarks.push(format!(
                     "{}: enter {:.4} mm as its backlash (MP710, or CfgAxisComp/backLash).",
@@ -23,13 +23,11 @@ pub fn write(axes: &[AxisErrors<'_>]) -> Written {
                 ));
             }
             continue;
-        };
+        }
         let name = axis.upper();
         let mut text = format!("BEGIN {name}.COM MM\nNR AXISPOS BACKLASH {name}\n");
-        let errors = table.forward_um.iter().zip(&table.backward_um);
-        for (nr, (position_mm, (forward_um, backward_um))) in table.positions_mm().zip(errors).enumerate() {
-            let half_um = 0.5 * axis.backlash_um;
-            let [forward_mm, backward_mm] = [forward_um - half_um, backward_um + half_um].map(|um| 1e-3 * um);
+        for (nr, [position_mm, forward_um, backward_um]) in axis.rows().enumerate() {
+            let [forward_mm, backward_mm] = [forward_um, backward_um].map(|um| 1e-3 * um);
             let _ = writeln!(text, "{nr} {position_mm:+.5} {backward_mm:+.5} {forward_mm:+.5}");
         }
         text += "[END]\n";

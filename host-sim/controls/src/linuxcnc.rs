@@ -9,7 +9,7 @@ use std::fmt::Write;
 use model::axis::Drive;
 
 use crate::control::{ControlFile, Written};
-use crate::errors::{AxisErrors, ErrorTable};
+use crate::errors::AxisErrors;
 
 /// The files.
 #[must_use]
@@ -21,8 +21,8 @@ pub fn write(axes: &[AxisErrors<'_>]) -> Written {
         if !lines.is_empty() {
             let _ = write!(ini, "[JOINT_{}]\n# axis {}\n{lines}\n", axis.number, axis.axis);
         }
-        if let Some(table) = &axis.table {
-            written.files.push(ControlFile { name: comp_file(axis), text: trims(table, axis.backlash_um) });
+        if axis.table.is_some() {
+            written.files.push(ControlFile { name: comp_file(axis), text: trims(axis) });
         }
     }
     if !ini.is_empty() {
@@ -42,14 +42,11 @@ fn comp_file(axis: &AxisErrors<'_>) -> String {
     format!("{}.comp", axis.axis)
 }
 
-/// A line per position: the trim takes back the error, and half of the backlash leads in the direction of motion.
-fn trims(table: &ErrorTable, backlash_um: f64) -> String {
+/// A line per position: the trims are the errors with the opposite sign.
+fn trims(axis: &AxisErrors<'_>) -> String {
     let mut text = String::new();
-    let errors = table.forward_um.iter().zip(&table.backward_um);
-    for (position_mm, (forward_um, backward_um)) in table.positions_mm().zip(errors) {
-        let [forward_mm, reverse_mm] =
-            [0.5 * backlash_um - forward_um, -0.5 * backlash_um - backward_um].map(|um| 1e-3 * um);
-        let _ = writeln!(text, "{position_mm:.4} {forward_mm:.6} {reverse_mm:.6}");
+    for [position_mm, forward_um, reverse_um] in axis.rows() {
+        let _ = writeln!(text, "{position_mm:.4} {:.6} {:.6}", -1e-3 * forward_um, -1e-3 * reverse_um);
     }
     text
 }

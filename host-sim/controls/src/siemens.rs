@@ -16,7 +16,6 @@ pub fn write(axes: &[AxisErrors<'_>]) -> Written {
     let mut machine_data = String::new();
     for axis in axes.iter().filter(|axis| axis.has_errors()) {
         let name = format!("{}1", axis.upper());
-        let mut backlash_um = axis.backlash_um;
         if let Some(table) = &axis.table {
             let count = table.forward_um.len();
             let _ = writeln!(
@@ -33,17 +32,14 @@ pub fn write(axes: &[AxisErrors<'_>]) -> Written {
                  $AA_ENC_COMP_IS_MODULO[0,{name}]=0\n",
                 table.spacing_mm, table.start_mm
             );
-            let widths = table.backward_um.iter().zip(&table.forward_um).map(|(back, forth)| back - forth);
-            let mean_um = numerics::mean(widths);
             if table.has_directions() {
-                backlash_um += mean_um;
                 written.remarks.push(format!(
                     "{}: the gap varies over the travel; the table has the mean of both directions, and MD32450 the mean gap.",
                     axis.axis
                 ));
             }
         }
-        let _ = writeln!(machine_data, "$MA_BACKLASH[0,{name}]={:.6}", 1e-3 * backlash_um);
+        let _ = writeln!(machine_data, "$MA_BACKLASH[0,{name}]={:.6}", 1e-3 * axis.mean_backlash_um());
     }
     text += "M17\n";
     if !machine_data.is_empty() {

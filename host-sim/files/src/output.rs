@@ -56,6 +56,14 @@ pub fn check_folder(path: &Path) -> Result<(), OutputError> {
     checked.map(drop).map_err(|cause| OutputError { path: path.to_owned(), cause })
 }
 
+/// Creates a folder with its parents, unless it exists.
+///
+/// # Errors
+/// If it cannot be created.
+pub fn create_folder(path: &Path) -> Result<(), OutputError> {
+    fs::create_dir_all(path).map_err(|cause| OutputError { path: path.to_owned(), cause })
+}
+
 /// Removes a file, if there is one.
 ///
 /// # Errors

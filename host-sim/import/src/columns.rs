@@ -5,15 +5,13 @@ use files::log::{ALLOWED, AxisLog, Channel, TIME, Unit, channel_of};
 
 use crate::conversion::{Conversion, Units};
 use crate::format::Format;
+use crate::names::{likely, listed, no_column};
 use crate::request::{Mapping, Request};
 use crate::table::{ForeignColumn, ForeignTable};
 use crate::unit::Quantity;
 
 /// Names of columns of times that need no mapping.
 pub(crate) const TIME_NAMES: [&str; 6] = [TIME, "time", "t", "timestamp", "zeit", "temps"];
-
-/// Least likeness of two names of which one may be a misspelling of the other.
-const LIKENESS: f64 = 0.8;
 
 /// The column of times.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -138,12 +136,8 @@ pub(crate) fn position(table: &ForeignTable, theirs: &str, source: &str) -> Resu
     let found = find(&|column| column.name == theirs)
         .or_else(|| find(&|column| column.name.eq_ignore_ascii_case(name)));
     found.ok_or_else(|| {
-        let names = || table.columns.iter().map(|column| column.name.as_str());
-        let expected = match likely(theirs, names()) {
-            Some(name) => format!("a column of the file (did you mean {}?)", quoted(name)),
-            None => format!("a column of the file: {}", listed(names())),
-        };
-        table.at_header(InputError::expected(source, expected, quoted(theirs)))
+        let names = table.columns.iter().map(|column| column.name.as_str());
+        table.at_header(no_column(theirs, names, source))
     })
 }
 
@@ -160,14 +154,6 @@ fn unknown(ours: &str) -> InputError {
         None => ALLOWED.to_owned(),
     };
     InputError::expected("--map", expected, quoted(ours))
-}
-
-/// The most similar name, if it is similar enough to be meant.
-fn likely<'a>(name: &str, among: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let lower = name.to_lowercase();
-    let scored = among.map(|other| (strsim::jaro_winkler(&lower, &other.to_lowercase()), other));
-    let (likeness, best) = scored.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (likeness >= LIKENESS).then_some(best)
 }
 
 /// The first column of `halsampler -t`, which counts samples.
@@ -200,16 +186,6 @@ fn has_circle(table: &ForeignTable) -> bool {
         names.any(|name| words.iter().any(|word| name.contains(word)))
     };
     has(&["radius", "deviation", "abweichung"]) && has(&["angle", "winkel"])
-}
-
-/// Names in quotes; of many, the first.
-fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    const MOST: usize = 12;
-    let names: Vec<&str> = names.collect();
-    let first: Vec<String> = names.iter().take(MOST).map(|name| quoted(name)).collect();
-    let more = names.len().saturating_sub(MOST);
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    format!("{}{more}", first.join(", "))
 }
 
 #[cfg(test)]

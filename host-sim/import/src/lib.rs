@@ -5,7 +5,7 @@
 //! - [`read`]: bytes to a [`table`] of columns, by the [`mod@format`] that is recognised or asked for: [`separated`] [`text`] of any
 //!   [`dialect`], [`twincat`], [`matlab`], [`numpy`], [`parquet_table`], [`mcap_messages`]
 //! - [`columns`]: by the [`request`] of the user, which column is which channel, with the
-//!   [`conversion`] of its [`unit`](mod@unit)
+//!   [`conversion`] of its [`unit`](mod@unit); [`names`]: which column was meant
 //! - [`ballbar`]: or the columns of a table of radii, which is no log
 //! - [`groups`]: columns of several clocks as rows of one
 //! - [`clock`]: the times of a uniform clock; lost, repeated and late rows are counted and bridged; a velocity becomes its
@@ -29,6 +29,7 @@ pub mod integral;
 pub mod matlab;
 pub mod mcap_chunks;
 pub mod mcap_messages;
+pub mod names;
 pub mod numbers;
 pub mod numpy;
 pub mod parquet_table;

@@ -10,12 +10,11 @@ pub mod markup;
 pub mod plot;
 pub mod polar;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use files::output::{OutputError, write_whole};
+use files::output::{OutputError, create_folder, write_whole};
 use markup::text;
 
 /// Name of the page in its folder.
@@ -59,7 +58,7 @@ pub fn render(title: &str, lead: &Markup, sections: &Markup) -> String {
 /// If the folder cannot be created or the page cannot be written.
 pub fn write(folder: &Path, html: &str) -> Result<PathBuf, OutputError> {
     let path = folder.join(FILE_NAME);
-    fs::create_dir_all(folder).map_err(|cause| OutputError { path: folder.to_owned(), cause })?;
+    create_folder(folder)?;
     write_whole(&path, |out| out.write_all(html.as_bytes()))?;
     Ok(path)
 }

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use model::axis::{Drive, Law, Mechanics, Pid, Settings};
 use model::effects::{Effect, InertialWindup, LostMotion, PeriodicError, ResolverDividing};
 use model::machine::{Axis, Machine};
-use model::servo;
+use model::servo::{self, VelocityDrive};
 
 use crate::parameters::AxisParameters;
 
@@ -83,26 +83,25 @@ impl Loop {
             let what = "its position gain is not known; it is simulated as an axis that follows its command";
             return Self { assumed: Some(what), ..FOLLOWING };
         };
-        let offsets = axis.log_offsets.unwrap_or_default();
-        let positive = |value: Option<f64>| value.filter(|value| *value > 0.0);
-        let fitted_s = positive(offsets.velocity_time_constant_ms).map(|ms| 1e-3 * ms);
         let is_velocity = controller.drive == Drive::Velocity;
-        let assumed = match (is_velocity, fitted_s) {
-            (true, Some(_)) => None,
-            (true, None) => {
-                Some("the bandwidth of its drive is not known; simulated is a time constant of 5 ms")
+        let fitted = if is_velocity { axis.fitted_velocity_drive() } else { VelocityDrive::default() };
+        let is_fitted = fitted.time_constant_s > 0.0;
+        let assumed = match (is_velocity, is_fitted) {
+            (true, true) => None,
+            (true, false) => {
+                Some("the bandwidth of its drive is not known; a time constant of 5 ms is simulated")
             }
             (false, _) => {
                 Some("masses or gains are not known; its velocity is simulated with a time constant of 5 ms")
             }
         };
-        let integral_per_s = positive(offsets.velocity_integral_per_s)
-            .filter(|per_s| is_velocity && *per_s > LEAST_INTEGRAL_PER_S);
+        let integral_time_s =
+            (fitted.integral_per_s > LEAST_INTEGRAL_PER_S).then(|| fitted.integral_per_s.recip());
         Self {
             position_gain_per_s,
             feedforward_percent: controller.feedforward_percent.unwrap_or(0.0),
-            time_constant_s: fitted_s.filter(|_| is_velocity).unwrap_or(USUAL_TIME_CONSTANT_S),
-            integral_time_s: integral_per_s.map(f64::recip).or(controller.velocity_integral_time_s),
+            time_constant_s: if is_fitted { fitted.time_constant_s } else { USUAL_TIME_CONSTANT_S },
+            integral_time_s: integral_time_s.or(controller.velocity_integral_time_s),
             assumed,
         }
     }

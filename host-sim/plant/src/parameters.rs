@@ -159,8 +159,8 @@ impl AxisParameters {
         parameters
     }
 
-    /// Way of the command after a reversal before the table follows, µm: the gap, or the lost motion of which it is a part, and the way
-    /// in which the rotor of a stepper motor turns over.
+    /// Travel of the command after a reversal before the table follows, µm: the gap, or the lost motion that contains it, plus twice the
+    /// load angle of a stepper motor under friction.
     #[must_use]
     pub fn reversal_width_um(&self) -> f64 {
         let behind_motor_um = if self.lost_motion.width_um > 0.0 {

@@ -1,6 +1,7 @@
 //! Which column is what: by our names, by usual ones, or as the user maps them.
 
 use files::error::{InputError, quoted};
+use import::names::{likely, listed, no_column};
 use import::request::{Mapping, UnitOf};
 use import::unit::{Quantity, split};
 
@@ -143,13 +144,7 @@ fn position(header: &Row, theirs: &str, source: &str) -> Result<usize, InputErro
     let cells = &header.cells;
     let same = |cell: &String| split(cell).0.eq_ignore_ascii_case(split(theirs).0);
     let found = cells.iter().position(|cell| cell == theirs).or_else(|| cells.iter().position(same));
-    found.ok_or_else(|| {
-        let expected = match likely(theirs, cells.iter().map(String::as_str)) {
-            Some(name) => format!("a column of the file (did you mean {}?)", quoted(name)),
-            None => format!("a column of the file: {}", listed(cells.iter())),
-        };
-        InputError::expected(source, expected, quoted(theirs)).at_line(header.line)
-    })
+    found.ok_or_else(|| no_column(theirs, cells.iter().map(String::as_str), source).at_line(header.line))
 }
 
 /// The error of a column that there is not, with the unused one whose name is most like it.
@@ -165,17 +160,8 @@ fn lack(role: Role, header: &Row, found: &[(Role, usize)], source: &str) -> Inpu
     };
     let near = likely(name, free.iter().copied());
     let advice = near.map_or(String::new(), |near| format!("; is it {}? --map {name}={near}", quoted(near)));
-    let found = format!("the columns {}{advice}", listed(header.cells.iter()));
+    let found = format!("the columns {}{advice}", listed(header.cells.iter().map(String::as_str)));
     InputError::expected(source, expected, found).with_advice("--map OURS=THEIRS says which column it is")
-}
-
-/// The most similar name, if it is similar enough to be meant.
-fn likely<'a>(name: &str, among: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    const LIKENESS: f64 = 0.8;
-    let lower = name.to_lowercase();
-    let scored = among.map(|other| (strsim::jaro_winkler(&lower, &other.to_lowercase()), other));
-    let (likeness, best) = scored.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (likeness >= LIKENESS).then_some(best)
 }
 
 /// By what the numbers of a column are multiplied. The header is in this line of the file.
@@ -210,16 +196,9 @@ fn units_are_used(request: &Request, found: &[(Role, usize)]) -> Result<(), Inpu
 
 fn note_ignored(header: &Row, found: &[(Role, usize)], notes: &mut Vec<String>) {
     let is_free = |(index, _): &(usize, &String)| found.iter().all(|(_, used)| used != index);
-    let free: Vec<&String> = header.cells.iter().enumerate().filter(is_free).map(|(_, cell)| cell).collect();
+    let free: Vec<&str> =
+        header.cells.iter().enumerate().filter(is_free).map(|(_, cell)| cell.as_str()).collect();
     if !free.is_empty() {
         notes.push(format!("Columns that are not used: {}.", listed(free.into_iter())));
     }
-}
-
-fn listed<'a>(names: impl Iterator<Item = &'a String>) -> String {
-    const MOST: usize = 12;
-    let names: Vec<String> = names.map(|name| quoted(name)).collect();
-    let more = names.len().saturating_sub(MOST);
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    format!("{}{more}", names[..names.len().min(MOST)].join(", "))
 }

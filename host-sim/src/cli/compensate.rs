@@ -15,7 +15,7 @@ use compensate::prediction::{PredictionError, TestMotion};
 use compensate::{CompensationFile, standard_motions, text};
 use controls::{Control, ControlFile};
 use files::error::InputError;
-use files::output::write_whole;
+use files::output::{create_folder, write_whole};
 use margins::MarginLimits;
 use margins::axis_margins::{self, AxisMargins, MarginError};
 use model::machine::Machine;
@@ -27,42 +27,6 @@ const MOTIONS: [(&str, &str); 2] = [
     ("motions/circle.toml", include_str!("../../motions/circle.toml")),
     ("motions/corner.toml", include_str!("../../motions/corner.toml")),
 ];
-
-/// A control that is not ours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum ControlArgument {
-    /// LinuxCNC: `COMP_FILE` or `BACKLASH`, lines of the INI file.
-    Linuxcnc,
-    /// Siemens SINUMERIK: leadscrew error compensation.
-    Siemens,
-    /// Heidenhain: tables .COM.
-    Heidenhain,
-    /// Fanuc: parameters of the stored pitch error compensation.
-    Fanuc,
-    /// Beckhoff TwinCAT CNC: list kw.ssfk.
-    Beckhoff,
-    /// grblHAL: settings of the backlash.
-    Grblhal,
-    /// Marlin: M425.
-    Marlin,
-    /// Position, error in both directions.
-    Csv,
-}
-
-impl From<ControlArgument> for Control {
-    fn from(argument: ControlArgument) -> Self {
-        match argument {
-            ControlArgument::Linuxcnc => Self::Linuxcnc,
-            ControlArgument::Siemens => Self::Siemens,
-            ControlArgument::Heidenhain => Self::Heidenhain,
-            ControlArgument::Fanuc => Self::Fanuc,
-            ControlArgument::Beckhoff => Self::Beckhoff,
-            ControlArgument::Grblhal => Self::Grblhal,
-            ControlArgument::Marlin => Self::Marlin,
-            ControlArgument::Csv => Self::Csv,
-        }
-    }
-}
 
 /// Arguments of `compensate`.
 #[derive(clap::Args)]
@@ -81,7 +45,7 @@ pub struct Arguments {
     json: Option<PathBuf>,
     /// Also write files for another control.
     #[arg(long, value_enum, requires = "out_dir")]
-    format: Option<ControlArgument>,
+    format: Option<Control>,
     /// Folder for the files of --format; made if it is missing.
     #[arg(long, value_name = "DIR", requires = "format")]
     out_dir: Option<PathBuf>,
@@ -144,7 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     write_json(arguments.json.as_ref(), &json)?;
     let mut remarks = margins.map(|margins| margins.remarks(limits)).unwrap_or_default();
     if let (Some(control), Some(folder)) = (arguments.format, &arguments.out_dir) {
-        remarks.push(for_control(control.into(), &model, &plan.file, folder)?);
+        remarks.push(for_control(control, &model, &plan.file, folder)?);
     }
     print(&[vec![text::of(&plan)], remarks].concat().join("\n\n"))
 }
@@ -160,8 +124,7 @@ fn for_control(control: Control, model: &Machine, file: &CompensationFile, folde
     }
     let remarks: String = written.remarks.iter().map(|remark| format!("- {remark}\n")).collect();
     let readme = ControlFile { name: "README.txt".to_owned(), text: remarks.clone() };
-    std::fs::create_dir_all(folder)
-        .map_err(|error| InputError::new("--out-dir", format!("{}: {error}", folder.display())))?;
+    create_folder(folder)?;
     for file in written.files.iter().chain([&readme]) {
         write_whole(&folder.join(&file.name), |out| out.write_all(file.text.as_bytes()))?;
     }

@@ -10,6 +10,7 @@ use crate::axis::{
 use crate::effects::Effect;
 use crate::friction_curve::Curve;
 use crate::residual_table::ResidualTable;
+use crate::servo::VelocityDrive;
 
 /// One declared axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -28,6 +29,18 @@ pub struct Axis {
 }
 
 impl Axis {
+    /// A drive whose velocity is commanded, as a trace has fitted it to logs.
+    #[must_use]
+    pub fn fitted_velocity_drive(&self) -> VelocityDrive {
+        let offsets = self.log_offsets.unwrap_or_default();
+        VelocityDrive {
+            time_constant_s: 1e-3 * offsets.velocity_time_constant_ms.unwrap_or(0.0),
+            integral_per_s: offsets.velocity_integral_per_s.unwrap_or(0.0),
+            dead_time_s: 1e-3 * offsets.drive_dead_time_ms.unwrap_or(0.0),
+            friction_m_per_s2: offsets.velocity_friction_m_per_s2.unwrap_or(0.0),
+        }
+    }
+
     /// This axis with the values and effects before they were fitted.
     #[must_use]
     pub fn at_nominal(&self) -> Self {

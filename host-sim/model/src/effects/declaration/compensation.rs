@@ -26,7 +26,7 @@ impl EffectCompensation {
     /// An error over the position of the axis itself.
     pub const OVER_POSITION: Self = Self::by("the error over the position is subtracted from the command");
 
-    /// A way of the motor after a reversal in which the table does not follow.
+    /// Travel of the motor after a reversal in which the table does not follow.
     pub const REVERSAL: Self =
         Self::by("half of the width is added to the command in the direction of motion");
 
