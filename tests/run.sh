@@ -19,6 +19,7 @@ long=(
   model_again::a_model_of_a_case_is_stable model_again::a_model_of_measured_data_is_stable
   incomplete_logs::sweep::parts_of_the_blind_cases
   init::cases::all_other_cases init::measured::emps
+  budget::second_simulator::the_first_cause_is_the_true_one_on_fifty_machines
 )
 
 step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }

@@ -1,4 +1,4 @@
-//! The circle of a log: command and measured position of two axes.
+//! The circle of logs: command and measured position of two axes.
 //!
 //! A delay of both axes turns the measured points back along the circle. It is estimated from the tangential deviation, the mean of both
 //! directions, and the command is delayed by it, so that what remains is small beside the radius.
@@ -26,21 +26,45 @@ const SETTLING_DELAYS: f64 = 8.0;
 /// Samples on either side over which the speed is taken.
 const SPEED_SPAN: usize = 5;
 
+/// Largest difference of the radii of two logs of one circle, and of their sampling times, as fractions.
+const SAME_RADIUS: f64 = 1e-3;
+const SAME_RATE: f64 = 1e-6;
+
 impl Measured {
-    /// The largest circle of two linear axes of a log.
+    /// The largest circle of two linear axes of logs: of one, or of several that were moved one after the other on the same machine, for
+    /// example one for each direction.
     ///
     /// # Errors
-    /// A log without command, without measured position, or without a circle.
-    pub fn of_log(log: &Log) -> Result<Self, InputError> {
-        let (plane, channel, circle) = plane(log)?;
-        let signals = Signals::new(log, plane, channel, &circle);
-        let delay_s = signals.delay_s();
-        let (samples, starts_rad, left_out) = signals.samples(delay_s);
+    /// No log, a log without command, measured position or circle, or with another circle than the first.
+    pub fn of_logs(logs: &[Log]) -> Result<Self, InputError> {
+        let planes = logs.iter().map(plane).collect::<Result<Vec<_>, _>>()?;
+        let signals: Vec<Signals<'_>> = logs
+            .iter()
+            .zip(&planes)
+            .map(|(log, (plane, channel, circle))| Signals::new(log, *plane, *channel, circle))
+            .collect();
+        let Some((log, (plane, channel, _))) = logs.iter().zip(&planes).next() else {
+            return Err(InputError::expected("circle", "a log", "none"));
+        };
+        let axes = plane.map(|axis| log.axes[axis].name.clone());
+        for ((other, (plane, own, _)), own_signals) in logs.iter().zip(&planes).zip(&signals).skip(1) {
+            let names = plane.map(|axis| other.axes[axis].name.clone());
+            if names != axes || own != channel {
+                let circle = |axes: &[String; 2], channel: &Channel| {
+                    format!("a circle of {} and {} measured at the {}", axes[0], axes[1], channel.word())
+                };
+                let expected = format!("{}, as in {}", circle(&axes, channel), log.source);
+                return Err(InputError::expected(&other.source, expected, circle(&names, own)));
+            }
+            own_signals.check_same(&signals[0], [&other.source, &log.source])?;
+        }
+        let delay_s = delay_s(&signals);
+        let (samples, starts_rad, left_out) = samples(&signals, delay_s);
         if samples.instants.is_empty() {
             return Err(InputError::expected(&log.source, "a circle at a steady speed", "none"));
         }
         let mut notes = Vec::new();
-        if channel != Channel::Tool {
+        if *channel != Channel::Tool {
             notes.push(format!(
                 "Measured at the {}: errors between it and the tool are not in these figures.",
                 channel.word()
@@ -49,16 +73,9 @@ impl Measured {
         if left_out > 0 {
             notes.push(format!("{left_out} readings far from their neighbours are left out."));
         }
-        Ok(Self {
-            source: log.source.clone(),
-            axes: plane.map(|axis| log.axes[axis].name.clone()),
-            channel: channel.word(),
-            has_nominal_radius: true,
-            delay_s: Some(delay_s),
-            samples,
-            starts_rad,
-            notes,
-        })
+        let source = log.source.clone();
+        let (channel, delay_s) = (channel.word(), Some(delay_s));
+        Ok(Self { source, axes, channel, has_nominal_radius: true, delay_s, samples, starts_rad, notes })
     }
 }
 
@@ -141,30 +158,33 @@ impl<'a> Signals<'a> {
         x.iter().zip(&y).map(|(x, y)| y.atan2(*x)).collect()
     }
 
-    /// Time by which both axes follow the command, s: the mean of the directions.
-    fn delay_s(&self) -> f64 {
-        const ROUNDS: usize = 6;
-        let mut delay_s = 0.0;
-        for _ in 0..ROUNDS {
-            let angles = self.angles(delay_s);
-            let mut sums = [(0.0, 0.0); 2];
-            for arc in self.steady(delay_s) {
-                let (sum, count) = &mut sums[usize::from(arc.direction < 0.0)];
-                for i in arc.samples {
-                    let (sin, cos) = angles[i].sin_cos();
-                    let along = arc.direction * (self.measured[1][i] * cos - self.measured[0][i] * sin);
-                    *sum -= along / arc.speed_mm_s;
-                    *count += 1.0;
-                }
-            }
-            let means: Vec<f64> =
-                sums.iter().filter(|(_, count)| *count > 0.0).map(|(sum, count)| sum / count).collect();
-            if means.is_empty() {
-                break;
-            }
-            delay_s += numerics::mean(means.iter().copied());
+    /// Checks that this is the circle of another log, with the same time from sample to sample.
+    fn check_same(&self, first: &Self, [source, first_source]: [&str; 2]) -> Result<(), InputError> {
+        let is_near = |a: f64, b: f64, fraction: f64| (a / b - 1.0).abs() < fraction;
+        let [radius_mm, first_mm] = [self, first].map(|signals| 1e3 * signals.circle.radius);
+        if !is_near(radius_mm, first_mm, SAME_RADIUS) {
+            let expected = format!("a circle of radius {first_mm:.3} mm, as in {first_source}");
+            return Err(InputError::expected(source, expected, format!("{radius_mm:.3} mm")));
         }
-        delay_s
+        if !is_near(self.sample_s, first.sample_s, SAME_RATE) {
+            let expected = format!("samples {} s apart, as in {first_source}", first.sample_s);
+            return Err(InputError::expected(source, expected, format!("{} s", self.sample_s)));
+        }
+        Ok(())
+    }
+
+    /// Sum and number of the times by which the measured point is behind the command, for each direction, beyond a delay.
+    fn add_lateness(&self, delay_s: f64, sums: &mut [(f64, f64); 2]) {
+        let angles = self.angles(delay_s);
+        for arc in self.steady(delay_s) {
+            let (sum, count) = &mut sums[usize::from(arc.direction < 0.0)];
+            for i in arc.samples {
+                let (sin, cos) = angles[i].sin_cos();
+                let along = arc.direction * (self.measured[1][i] * cos - self.measured[0][i] * sin);
+                *sum -= along / arc.speed_mm_s;
+                *count += 1.0;
+            }
+        }
     }
 
     /// The parts of the arcs at a steady speed, after settling, for a delay.
@@ -202,40 +222,61 @@ impl<'a> Signals<'a> {
             start_angle: angles[start],
         })
     }
+}
 
-    /// The samples, the angle from the start of each arc to its first sample, and how many readings were left out.
-    fn samples(&self, delay_s: f64) -> (Samples, Vec<f64>, usize) {
-        let radius_mm = 1e3 * self.circle.radius;
-        let angles = self.angles(delay_s);
-        let steady = self.steady(delay_s);
-        let top_speed = numerics::max_abs(steady.iter().map(|arc| arc.speed_mm_s));
-        let (mut instants, mut arcs, mut starts_rad) = (Vec::new(), Vec::new(), Vec::new());
-        let mut deviations = [Vec::new(), Vec::new()];
-        for (number, arc) in steady.iter().enumerate() {
+/// Time by which both axes follow the command, s: the mean of the directions.
+fn delay_s(signals: &[Signals<'_>]) -> f64 {
+    const ROUNDS: usize = 6;
+    let mut delay_s = 0.0;
+    for _ in 0..ROUNDS {
+        let mut sums = [(0.0, 0.0); 2];
+        signals.iter().for_each(|log| log.add_lateness(delay_s, &mut sums));
+        let means: Vec<f64> =
+            sums.iter().filter(|(_, count)| *count > 0.0).map(|(sum, count)| sum / count).collect();
+        if means.is_empty() {
+            break;
+        }
+        delay_s += numerics::mean(means.iter().copied());
+    }
+    delay_s
+}
+
+/// The samples, the angle from the start of each arc to its first sample, and how many readings were left out.
+fn samples(signals: &[Signals<'_>], delay_s: f64) -> (Samples, Vec<f64>, usize) {
+    let steady: Vec<(&Signals<'_>, Vec<SteadyArc>)> =
+        signals.iter().map(|log| (log, log.steady(delay_s))).collect();
+    let speeds = steady.iter().flat_map(|(_, arcs)| arcs.iter().map(|arc| arc.speed_mm_s));
+    let top_speed = numerics::max_abs(speeds);
+    let radius_mm = signals.first().map_or(0.0, |log| 1e3 * log.circle.radius);
+    let (mut instants, mut arcs, mut starts_rad) = (Vec::new(), Vec::new(), Vec::new());
+    let mut deviations = [Vec::new(), Vec::new()];
+    for (log, of_log) in steady {
+        let angles = log.angles(delay_s);
+        for arc in of_log {
             let start = instants.len();
             for i in arc.samples.clone() {
                 let at = Instant {
                     speed: arc.speed_mm_s / top_speed,
-                    time_s: self.start_s + i as f64 * self.sample_s,
-                    arc: number,
+                    time_s: log.start_s + i as f64 * log.sample_s,
+                    arc: arcs.len(),
                     ..Instant::new(angles[i], arc.direction)
                 };
                 for (axis, deviation) in deviations.iter_mut().enumerate() {
-                    deviation.push(1e3 * (self.measured[axis][i] - radius_mm * at.position[axis]));
+                    deviation.push(1e3 * (log.measured[axis][i] - radius_mm * at.position[axis]));
                 }
                 instants.push(at);
             }
             starts_rad.push(wrapped(angles[arc.samples.start] - arc.start_angle, TAU).abs());
             arcs.push(start..instants.len());
         }
-        let mut is_fault = vec![false; instants.len()];
-        for i in deviations.iter().flat_map(|deviation| faults(deviation)) {
-            is_fault[i] = true;
-        }
-        let left_out = is_fault.iter().filter(|fault| **fault).count();
-        let (speed_mm_s, sample_s) = (Some(top_speed), Some(self.sample_s));
-        let observed = Observed::Both(deviations);
-        let samples = Samples { radius_mm, speed_mm_s, sample_s, instants, arcs, observed };
-        (samples.filtered(|i| !is_fault[i]), starts_rad, left_out)
     }
+    let mut is_fault = vec![false; instants.len()];
+    for i in deviations.iter().flat_map(|deviation| faults(deviation)) {
+        is_fault[i] = true;
+    }
+    let left_out = is_fault.iter().filter(|fault| **fault).count();
+    let sample_s = signals.first().map(|log| log.sample_s);
+    let (speed_mm_s, observed) = (Some(top_speed), Observed::Both(deviations));
+    let samples = Samples { radius_mm, speed_mm_s, sample_s, instants, arcs, observed };
+    (samples.filtered(|i| !is_fault[i]), starts_rad, left_out)
 }

@@ -1,19 +1,36 @@
 //! The plan for a terminal: a sentence, a table of the motions, a table of the items.
 
+use contour::verification::Prediction;
+use files::format::significant;
+
 use crate::plan::Plan;
+
+/// What the compensation is predicted to do to each motion, and of how many causes.
+fn sentence(plan: &Plan) -> String {
+    let of_motion = |motion: &Prediction| {
+        let [before, after] = [motion.before_um, motion.after_um].map(|um| significant(um, 3));
+        format!("{before} → {after} µm rms on {}", motion.motion)
+    };
+    let motions: Vec<String> = plan.file.predicted.iter().map(of_motion).collect();
+    let count = |n: usize| if n == 1 { "1 cause is".to_owned() } else { format!("{n} causes are") };
+    let left = match plan.not_compensated.len() {
+        0 => String::new(),
+        1 => ", 1 is not".to_owned(),
+        n => format!(", {n} are not"),
+    };
+    format!(
+        "{}: predicted contour error {}; {} compensated{left}.",
+        plan.file.machine,
+        motions.join(", "),
+        count(plan.items.len())
+    )
+}
 
 /// Sentence and tables.
 #[must_use]
 pub fn of(plan: &Plan) -> String {
-    let count = |n: usize, one: &str, more: &str| format!("{n} {}", if n == 1 { one } else { more });
     let mut lines = vec![
-        format!(
-            "{}: {} of the contour error {}; {} not.",
-            plan.file.machine,
-            count(plan.items.len(), "cause", "causes"),
-            if plan.items.len() == 1 { "is compensated" } else { "are compensated" },
-            count(plan.not_compensated.len(), "is", "are"),
-        ),
+        sentence(plan),
         String::new(),
         format!("{:<24}{:>24}{:>24}{:>26}", "predicted", "rms µm", "greatest µm", "circular deviation G µm"),
         format!("{:<24}{}", "motion", format!("{:>12}{:>12}", "before", "after").repeat(3)),

@@ -7,6 +7,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use indexmap::IndexMap;
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer, Error, ValueDeserializer};
@@ -20,6 +21,8 @@ pub struct Document<'a> {
     root: Spanned<DeTable<'a>>,
     /// All keys of the tree, each before its children.
     entries: IndexMap<String, Entry<'a>>,
+    /// Of a document made from another one: the document that the user wrote, with the names that keys have there.
+    written: Option<(&'a Document<'a>, IndexMap<String, String>)>,
 }
 
 struct Entry<'a> {
@@ -56,9 +59,43 @@ impl<'a> Document<'a> {
         })?;
         let mut entries = IndexMap::new();
         collect("", root.get_ref(), &mut entries);
-        let document = Self { source, text, root, entries };
+        let document = Self { source, text, root, entries, written: None };
         document.check_finite()?;
         Ok(document)
+    }
+
+    /// This document, made by [`Document::replaced`] from one that the user wrote: errors name its keys and values. `renamed` lists
+    /// keys of this document with those in the written one.
+    #[must_use]
+    pub fn written_as(mut self, written: &'a Self, renamed: Vec<(String, String)>) -> Self {
+        self.written = Some((written, renamed.into_iter().collect()));
+        self
+    }
+
+    /// The text with other text in byte ranges, which do not overlap.
+    #[must_use]
+    pub fn replaced(&self, changes: &[(Range<usize>, String)]) -> String {
+        let mut sorted: Vec<_> = changes.iter().collect();
+        sorted.sort_by_key(|(range, _)| range.start);
+        let (mut text, mut end) = (String::new(), 0);
+        for (range, new) in sorted {
+            text.push_str(&self.text[end..range.start]);
+            text.push_str(new);
+            end = range.end;
+        }
+        text + &self.text[end..]
+    }
+
+    /// Bytes of a key's name; of an array element, those of the element. Empty if there is no such key.
+    #[must_use]
+    pub fn name_span(&self, key: &str) -> Range<usize> {
+        self.entries.get(key).map_or(0..0, |entry| entry.name.clone())
+    }
+
+    /// Bytes of a key's value. Empty if there is no such key.
+    #[must_use]
+    pub fn value_span(&self, key: &str) -> Range<usize> {
+        self.entries.get(key).map_or(0..0, |entry| entry.value.span())
     }
 
     /// Deserializes the whole document.
@@ -103,6 +140,26 @@ impl<'a> Document<'a> {
         keys
     }
 
+    /// Whether there is a key.
+    #[must_use]
+    pub fn has(&self, key: &str) -> bool {
+        self.entries.contains_key(key)
+    }
+
+    /// The number at a key; `None` if the value is none.
+    #[must_use]
+    pub fn number(&self, key: &str) -> Option<f64> {
+        let value = &self.entries.get(key)?.value;
+        f64::deserialize(ValueDeserializer::from(value.clone())).ok()
+    }
+
+    /// The text at a key; `None` if the value is none.
+    #[must_use]
+    pub fn word(&self, key: &str) -> Option<String> {
+        let value = &self.entries.get(key)?.value;
+        String::deserialize(ValueDeserializer::from(value.clone())).ok()
+    }
+
     /// Whether the value at a key is a number.
     #[must_use]
     pub fn is_number(&self, key: &str) -> bool {
@@ -122,11 +179,20 @@ impl<'a> Document<'a> {
     }
 
     fn located(&self, key: &str, error: InputError) -> InputError {
+        if let Some((written, old)) = self.written_key(key) {
+            return written.located(old, error);
+        }
         let error = if key.is_empty() { error } else { error.at_key(key) };
         match self.line(key) {
             Some(line) => error.at_line(line),
             None => error,
         }
+    }
+
+    /// The document that the user wrote, and the name of a key there.
+    fn written_key<'k>(&'k self, key: &'k str) -> Option<(&'k Document<'a>, &'k str)> {
+        let (written, renamed) = self.written.as_ref()?;
+        Some((written, renamed.get(key).map_or(key, String::as_str)))
     }
 
     /// Line of a key, or of the innermost enclosing table if the key is missing.
@@ -139,6 +205,9 @@ impl<'a> Document<'a> {
 
     /// The value at a key for a message: the text of the file, or a description of a table or array.
     fn found(&self, key: &str) -> String {
+        if let Some((written, old)) = self.written_key(key) {
+            return written.found(old);
+        }
         let Some(entry) = self.entries.get(key) else {
             return "none".to_owned();
         };

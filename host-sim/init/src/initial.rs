@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use files::error::InputError;
 use files::log::{Log, Unit};
 use model::axis::{Drive, Settings, TOLERATED};
-use model::machine::{Axis, Machine};
+use model::machine::{Axis, Machine, rotary};
 use trace::AxisIdentification;
 use trace::Progress;
 use trace::input::signals::Signals;
@@ -64,6 +64,9 @@ pub struct Initial {
 /// # Errors
 /// If the logs do not belong to the machine.
 pub fn machine(known: &Machine, logs: &[Log], progress: &Progress<'_>) -> Result<Initial, InputError> {
+    let is_in_degrees =
+        |name: &str| logs.iter().any(|log| log.axis(name).is_some_and(|axis| axis.unit == Unit::Degree));
+    let known = &rotary::named_as_logs(known.clone(), is_in_degrees);
     let names: Vec<String> = known.axis.keys().cloned().collect();
     let options = TraceOptions::default();
     progress("regressions");

@@ -10,11 +10,14 @@
 //!    repeats over the position is told if the lead is not known ([`period`]).
 //! 4. [`written`]: the file with a comment for each value.
 //!
+//! [`gains`] has the first values of a trace whose machine file lacks the gains of a velocity drive.
+//!
 //! What logs cannot show stays unknown: the lead of a screw, limits, and with one channel missing what only that shows.
 
 pub mod control_loop;
 pub mod direction;
 pub mod form;
+pub mod gains;
 pub mod initial;
 pub mod known;
 pub mod mechanics;

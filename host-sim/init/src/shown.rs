@@ -2,6 +2,7 @@
 
 use model::axis::Settings;
 use model::effects::Stage;
+use model::machine::rotary;
 use trace::AxisIdentification;
 use trace::input::signals::AxisSignals;
 use trace::judge::StageResidual;
@@ -98,6 +99,7 @@ pub fn keep_shown(
     } else {
         for key in wide {
             rough.forget_value(key);
+            let (key, _) = rotary::written(key, 1.0, axis.model.axis.settings.names);
             notes.push(format!("{name}: {key} stays unknown: the logs do not determine it."));
         }
     }

@@ -1,7 +1,7 @@
 //! The machine file with a comment for each value, and what is said on the terminal.
 
-use model::axis::{Drive, Tolerated};
-use model::machine::Axis;
+use model::axis::{Drive, KeyNames, Tolerated};
+use model::machine::{Axis, rotary};
 
 use crate::initial::{Initial, Value};
 use crate::rough::Origin;
@@ -20,7 +20,9 @@ pub fn file(initial: &Initial, logs: &[String]) -> String {
             table.clone_into(&mut axis);
         }
         let key = line.split_once(" = ").map(|(key, _)| key);
-        let value = initial.values.iter().find(|((name, own), _)| *name == axis && Some(*own) == key);
+        let names = initial.machine.axis.get(&axis).map_or(KeyNames::Linear, |axis| axis.settings.names);
+        let is_it = |own| Some(rotary::written(own, 1.0, names).0) == key;
+        let value = initial.values.iter().find(|((name, own), _)| *name == axis && is_it(*own));
         text += line;
         if let Some((_, value)) = value.filter(|(_, value)| value.origin != Origin::Known) {
             text += &format!("  # {}", value.source());
@@ -55,6 +57,7 @@ pub fn summary(initial: &Initial) -> String {
             let Some(number) = tolerated.and_then(|tolerated| (tolerated.get)(&axis.settings)) else {
                 continue;
             };
+            let (key, number) = rotary::written(key, number, axis.settings.names);
             text += &format!("  {key:<30} {number:>12}  {}\n", value.source());
         }
     }

@@ -91,8 +91,8 @@ impl Reader<'_> {
             (None, Some(to_mm), Some(direction)) => {
                 Ok(Sweep::To { to_mm: self.pair("to_mm", to_mm)?, direction })
             }
-            (None, Some(_), None) => Err(self.refuse("direction", "this key, as to_mm is given")),
-            (None, None, Some(_)) => Err(self.refuse("to_mm", "this key, as direction is given")),
+            (None, Some(_), None) => Err(self.refuse("direction", "a value beside to_mm")),
+            (None, None, Some(_)) => Err(self.refuse("to_mm", "a value beside direction")),
             _ => Err(self.document.refuse(self.key, "either turns, or to_mm with direction")),
         }
     }

@@ -103,7 +103,7 @@ impl DefaultPace {
     }
 }
 
-const NEEDS_JERK: &str = "this key, as ramps is \"s-curve\"";
+const NEEDS_JERK: &str = "a value beside ramps = \"s-curve\"";
 const NO_JERK: &str = "no jerk, as ramps is not \"s-curve\"";
 
 /// Largest tolerance: 1 m. A larger one has a wrong unit.

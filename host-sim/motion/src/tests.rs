@@ -112,12 +112,12 @@ fn ramps_jerk_and_tolerance_of_a_block_replace_those_of_the_file() {
 fn a_jerk_is_required_by_s_curves_and_refused_otherwise() {
     const LINE: &str = "[[block]]\nline_to_mm = { x = 1.0 }\n";
     let cases = [
-        ("ramps = 's-curve'", "", "jerk_m_per_s3: expected this key, as ramps is \"s-curve\", found none"),
+        ("ramps = 's-curve'", "", "jerk_m_per_s3: expected a value beside ramps = \"s-curve\", found none"),
         ("jerk_m_per_s3 = 5", "", "line 1: jerk_m_per_s3: expected no jerk, as ramps is not \"s-curve\""),
         ("ramps = 's-curve'\njerk_m_per_s3 = 0", "", "jerk_m_per_s3: expected a number above 0, found 0"),
         ("ramps = 'sine'", "", "line 1: ramps: expected one of trapezoid, s-curve, exponential, after-"),
         ("joint_tolerance_um = -1", "", "joint_tolerance_um: expected a number from 0 to 1000000, found -1"),
-        ("", "ramps = 's-curve'", "block[0].jerk_m_per_s3: expected this key, as ramps is"),
+        ("", "ramps = 's-curve'", "block[0].jerk_m_per_s3: expected a value beside ramps"),
         ("", "jerk_m_per_s3 = 5", "block[0].jerk_m_per_s3: expected no jerk, as ramps is not"),
         ("", "ramps = 's-curve'\njerk_m_per_s3 = -5", "block[0].jerk_m_per_s3: expected a number above 0"),
         ("", "joint_tolerance_um = 1e7", "block[0].joint_tolerance_um: expected a number from 0 to"),
@@ -213,8 +213,8 @@ const BAD_ENDS: &[(&str, &str)] = &[
         "block[0].arc: expected either turns, or to_mm with direction",
     ),
     ("turns = 1.0, direction = 'positive'", "block[0].arc: expected either turns, or to_mm with direction"),
-    ("to_mm = { x = 0, y = 50 }", "arc.direction: expected this key, as to_mm is given, found none"),
-    ("direction = 'negative'", "arc.to_mm: expected this key, as direction is given, found none"),
+    ("to_mm = { x = 0, y = 50 }", "arc.direction: expected a value beside to_mm, found none"),
+    ("direction = 'negative'", "arc.to_mm: expected a value beside direction, found none"),
     (
         "to_mm = { x = 0, y = 50 }, direction = 'left'",
         "line 7: block[0].arc.direction: expected positive or negative, found 'left'",

@@ -147,7 +147,8 @@ pub fn of(machine: &Machine) -> (Cow<'_, Machine>, Vec<Assumed>) {
 }
 
 fn equivalent_axis(axis: &Axis, simulated: &Loop) -> Axis {
-    let Settings { mut controller, filters, limits, mechanics, sensors, pid: _ } = axis.settings.clone();
+    let Settings { names, mut controller, filters, limits, mechanics, sensors, pid: _ } =
+        axis.settings.clone();
     let friction_m_per_s2 = axis.log_offsets.and_then(|offsets| offsets.velocity_friction_m_per_s2);
     let mechanics = if axis.settings.has_mass() {
         mechanics
@@ -168,8 +169,8 @@ fn equivalent_axis(axis: &Axis, simulated: &Loop) -> Axis {
     controller.velocity_integral_time_s = simulated.integral_time_s;
     controller.force_limit_n = None;
     let effect = if axis.settings.has_mass() { axis.effect.clone() } else { equivalent_effects(axis) };
-    let settings = Settings { controller, pid: Pid::default(), filters, limits, mechanics, sensors };
-    Axis { settings, effect, nominal: None, log_offsets: None, empirical: axis.empirical.clone() }
+    let settings = Settings { names, controller, pid: Pid::default(), filters, limits, mechanics, sensors };
+    Axis { settings, effect, empirical: axis.empirical.clone(), ..Axis::default() }
 }
 
 /// The effects with everything by which the table turns late in one lost motion, behind the motor as commanded.

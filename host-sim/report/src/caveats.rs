@@ -7,6 +7,7 @@ use trace::AxisIdentification;
 use trace::fit::fit_data::FitAndValidationRms;
 use trace::fit::limits::ParameterAtLimit;
 use trace::judge::StageResidual;
+use trace::judge::declared_value::DeclaredValue;
 use trace::judge::found_effect::FoundEffect;
 use trace::stages::{residual_unit, stage_names};
 
@@ -35,9 +36,8 @@ fn list_residuals(
 pub fn misfit(axis: &AxisIdentification) -> Option<String> {
     if axis.is_of_another_machine {
         let residuals = list_residuals(axis, |_| true, |pair| pair.fit)?;
-        let far =
-            axis.declared_values.iter().filter(|value| value.is_undetermined() || value.is_beyond_tolerance);
-        let keys: Vec<&str> = far.map(|value| value.key).collect();
+        let is_far = |value: &DeclaredValue| value.is_undetermined() || value.is_beyond_tolerance;
+        let keys: Vec<&str> = axis.written_values().filter(is_far).map(|value| value.key).collect();
         return Some(format!(
             "{}: this machine file does not describe this machine, so that no effect is reported; residuals: {residuals}; \
              farthest from the logs: {}.",

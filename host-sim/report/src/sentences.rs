@@ -144,8 +144,8 @@ pub fn of_axis(axis: &AxisIdentification) -> Vec<String> {
     let refuted = axis.refuted.iter().map(|found| caveats::refuted(&axis.axis, axis.unit, found));
     let at_limit = axis.refused.iter().map(|limit| caveats::at_limit(&axis.axis, axis.unit, limit));
     let misfit = caveats::misfit(axis).into_iter().chain(caveats::misfit_held_out(axis));
-    let beyond = axis.declared_values.iter().filter(|value| value.is_beyond_tolerance);
-    let beyond = beyond.map(|value| beyond_tolerance(&axis.axis, value));
+    let beyond = axis.written_values().filter(|value| value.is_beyond_tolerance);
+    let beyond = beyond.map(|value| beyond_tolerance(&axis.axis, &value));
     misfit
         .chain(of_force_scale(axis))
         .chain(beyond)
@@ -201,7 +201,7 @@ pub fn remainder(axis: &AxisIdentification, rest: &UnexplainedResidual) -> Strin
     let noise = axis.residual(rest.stage).map_or(0.0, |error| error.noise);
     let share = percent(rest.share_percent);
     let dependence = match rest.variable {
-        Variable::None => "it does not depend on any of the variables tested".to_owned(),
+        Variable::None => "no position, speed, acceleration, force or time explains it".to_owned(),
         Variable::Time => {
             let hertz = significant(rest.frequency_hz.unwrap_or(0.0), 3);
             format!("{share} of its power is at {hertz} Hz")
@@ -251,12 +251,12 @@ pub fn repeats(axis: &AxisIdentification, part: &Repeatability) -> String {
 pub fn open_ends(axis: &AxisIdentification) -> Vec<String> {
     /// Ratio of the held-out to the fitted residual from which it is reported: a smaller one may be due to the motion.
     const MIN_RATIO: f64 = 2.0;
-    let at_bounds = axis.declared_values.iter().filter(|value| value.is_undetermined());
+    let at_bounds = axis.written_values().filter(DeclaredValue::is_undetermined);
     let keys: Vec<&str> = at_bounds.map(|value| value.key).collect();
     let bounds = (!keys.is_empty()).then(|| {
         format!(
-            "{}: {} ended many times the tolerance away from the declared value, where the search stops: the fitted logs do \
-             not determine the value, or the machine file is of another machine.",
+            "{}: the fitted logs do not determine {}, or the machine file is that of another machine: the fit stopped at the end of \
+             its range, several tolerances from the declared value.",
             axis.axis,
             keys.join(", ")
         )

@@ -6,7 +6,8 @@ use maud::{Markup, html};
 
 use super::axis_view::AxisView;
 use super::before_after::{self, RoundTripMotion};
-use super::{circle_plots, ranking, residual_plots, sentences, tables};
+use super::{budget_page, circle_plots, ranking, residual_plots, sentences, tables};
+use budget::Budget;
 use contour::log_error::LogError;
 use files::output::OutputError;
 use model::effects::Effect;
@@ -29,6 +30,8 @@ pub struct Extra {
     pub truth: Option<Vec<(String, Effect)>>,
     /// Contour errors of the logs.
     pub contour_errors: Vec<LogError>,
+    /// What each cause costs at the tool.
+    pub budget: Option<Budget>,
     /// Motions before and after a compensation, with a sentence about them.
     pub round_trip: (Vec<RoundTripMotion>, String),
 }
@@ -51,6 +54,7 @@ pub fn html(trace: &Identification, extra: &Extra) -> String {
     };
     let sections = html! {
         (section("Effects found", &found(trace, extra)))
+        @if let Some(budget) = &extra.budget { (budget_page::sections(budget)) }
         (section("Residuals before and after", &tables::errors(trace.axes())))
         (section("Contour error", &tables::contour_errors(&extra.contour_errors)))
         (section("Before and after the compensation", &before_after::round_trip(&extra.round_trip.0, &extra.round_trip.1)))

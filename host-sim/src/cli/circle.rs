@@ -23,7 +23,7 @@ use files::table::Table;
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Log with the command and a measured position of two axes, or a ballbar's table of `radius_mm` or `radius_um` over `angle_deg`
-    /// or `time_s` (CSV, .csv.gz, or - for stdin), or either of another program, see below; two such tables, one for each direction.
+    /// or `time_s` (CSV, .csv.gz, or - for stdin), or either of another program, see below; two of them, one for each direction.
     #[arg(required = true, num_args = 1..=2)]
     log: Vec<PathBuf>,
     /// Nominal radius of a ballbar's table.
@@ -74,29 +74,29 @@ enum Input<'a> {
     Table(Box<Table<'a>>),
 }
 
-/// The circle of one log, or of one or two tables.
+/// The circle of one or two logs, or of one or two tables.
 fn read(arguments: &Arguments) -> Result<Measured, InputError> {
     let nominal = nominal(arguments)?;
     let request = arguments.reading.request()?;
     let sources: Vec<String> = arguments.log.iter().map(|path| path.display().to_string()).collect();
-    let (mut tables, mut log) = (Vec::new(), None);
+    let (mut tables, mut logs) = (Vec::new(), Vec::new());
     for (path, source) in arguments.log.iter().zip(&sources) {
         match input(path, source, &request)? {
             Input::Table(table) => tables.push((*table, source.clone())),
-            Input::Log(_) if sources.len() > 1 => {
-                let expected = "one log, or two tables with radius_mm or radius_um";
-                return Err(InputError::expected(source, expected, "a log of two files"));
-            }
-            Input::Log(found) => log = Some(found),
+            Input::Log(log) => logs.push(log),
         }
     }
-    match log {
-        None => Measured::of_radius_tables(tables, nominal),
-        Some(_) if nominal != Nominal::default() => {
+    match (&tables[..], &logs[..]) {
+        (_, []) => Measured::of_radius_tables(tables, nominal),
+        ([], logs) if nominal != Nominal::default() => {
             let expected = "a table with radius_mm or radius_um beside --radius, --feed or --start";
-            Err(InputError::expected(&sources[0], expected, "a log"))
+            Err(InputError::expected(&logs[0].source, expected, "a log"))
         }
-        Some(log) => Measured::of_log(&log),
+        ([], logs) => Measured::of_logs(logs),
+        ([(_, table), ..], logs) => {
+            let expected = format!("a table with radius_mm or radius_um, as {table}");
+            Err(InputError::expected(&logs[0].source, expected, "a log"))
+        }
     }
 }
 

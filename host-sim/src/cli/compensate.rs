@@ -172,14 +172,21 @@ impl LoopsBeforeAfter {
 
 /// The motions of files, or the default ones.
 pub fn test_motions(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, InputError> {
-    let of = |motion: Motion, source: String| TestMotion { motion, source, start_s };
     if paths.is_empty() {
-        return MOTIONS
-            .into_iter()
-            .map(|(source, text)| Ok(of(Motion::parse(text, source)?, source.to_owned())))
-            .collect();
+        let of = |(source, text): (&str, &str)| {
+            Ok(TestMotion { motion: Motion::parse(text, source)?, source: source.to_owned(), start_s })
+        };
+        return MOTIONS.into_iter().map(of).collect();
     }
-    paths.iter().map(|path| Ok(of(Motion::read(path)?, path.display().to_string()))).collect()
+    motions_of(paths, start_s)
+}
+
+/// The motions of these files.
+pub fn motions_of(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, InputError> {
+    let of = |path: &PathBuf| {
+        Ok(TestMotion { motion: Motion::read(path)?, source: path.display().to_string(), start_s })
+    };
+    paths.iter().map(of).collect()
 }
 
 /// A model that lacks a key, or a setting that the controller refuses, is an error of the input.

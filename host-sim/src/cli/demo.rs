@@ -54,6 +54,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let progress = Progress::start();
     let demo = demo::run(arguments.seed, &|what| progress.show(what))?;
+    progress.show("simulating the motions with and without each cause");
+    let budget = budget::traced::budget(&demo.traced.trace)?;
     drop(progress);
     write_json(arguments.json.as_ref(), &demo.json())?;
     let traced = &demo.traced;
@@ -62,6 +64,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         lead: vec![INTRODUCTION.to_owned(), headline(traced)],
         truth: Some(vec![(traced.drawn.axis.clone(), traced.drawn.effect.clone())]),
         contour_errors: traced.contour_errors.clone(),
+        budget,
         round_trip: (round_trip_motions(&demo), round_trip_lead(&demo)),
     };
     let path = trace_page::write(&arguments.report, &demo.traced.trace, &extra)?;

@@ -10,6 +10,7 @@ use contour::vector::Point;
 use contour::{ContourError, Evaluation, NominalPath};
 use files::log::{Channel, write_rows};
 use files::output::OutputError;
+use model::axis::KeyNames;
 use model::machine::Machine;
 use motion::MAX_AXES;
 use plant::controller::{Controller, Status};
@@ -25,6 +26,7 @@ pub struct RunStatistics {
 
 struct AxisStatistics {
     name: String,
+    names: KeyNames,
     force_limit_n: Option<f64>,
     following_error_um: Magnitude,
     force_n: Magnitude,
@@ -68,6 +70,7 @@ pub fn run(
     let mut statistics = RunStatistics::new(run.machine);
     let path = NominalPath::of_blocks(run.start_m, run.blocks);
     let mut evaluation = Evaluation::new(&path, 1.0 / run.machine.sample_rate_hz);
+    let is_linear = run.machine.axis.values().all(|axis| axis.settings.names == KeyNames::Linear);
     let mut failed = None;
     let written = write_rows(out, &run.empty_log(), |rows| {
         let ran = run.rows(
@@ -92,7 +95,8 @@ pub fn run(
         })
     });
     drop(progress);
-    statistics.contour_error = evaluation.finish();
+    // Degrees and millimetres make no contour.
+    statistics.contour_error = evaluation.finish().filter(|_| is_linear);
     match failed {
         Some(error) => Err(inputs.error(error)),
         None => written.map(|()| statistics).map_err(|error: OutputError| Error::from(error)),
@@ -113,6 +117,7 @@ impl RunStatistics {
     fn new(machine: &Machine) -> Self {
         let axes = machine.axis.iter().map(|(name, axis)| AxisStatistics {
             name: name.clone(),
+            names: axis.settings.names,
             force_limit_n: axis.settings.controller.force_limit_n,
             following_error_um: Magnitude::default(),
             force_n: Magnitude::default(),
@@ -135,8 +140,14 @@ impl RunStatistics {
     /// at the tool.
     #[must_use]
     pub fn summary(&self) -> String {
+        let has = |names| self.axes.iter().any(|axis| axis.names == names);
+        let [error, force] = match (has(KeyNames::Linear), has(KeyNames::Rotary)) {
+            (_, false) => ["following error µm", "force N"],
+            (false, true) => ["following error mdeg", "torque N·m"],
+            (true, true) => ["following error µm, mdeg", "force N, torque N·m"],
+        };
         let mut lines = vec![
-            format!("{:<6}{:>28}{:>24}", "axis", "following error µm", "force N"),
+            format!("{:<6}{error:>28}{force:>24}", "axis"),
             format!("{:<6}{:>14}{:>14}{:>12}{:>12}", "", "rms", "greatest", "rms", "greatest"),
         ];
         for AxisStatistics { name, following_error_um, force_n, .. } in &self.axes {

@@ -3,6 +3,7 @@
 mod argument_error;
 mod batch;
 mod board;
+mod budget;
 mod circle;
 mod compare;
 mod compensate;
@@ -66,6 +67,8 @@ enum Command {
     Positions(positions::Arguments),
     /// Turn the effects of a model into the compensation that the controller applies, and predict the contour error.
     Compensate(compensate::Arguments),
+    /// Tell what makes a motion wrong at the tool: each cause of a model with its share in µm, and what to do about it.
+    Budget(budget::Arguments),
     /// Run the same motions in fixed point, f32, f64 and with f32 positions, and compare errors and cost.
     Compare(compare::Arguments),
     /// Repeat published experiments and compare the printed values with ours.
@@ -103,6 +106,7 @@ pub fn run() -> ExitCode {
         Command::Circle(arguments) => circle::run(&arguments),
         Command::Positions(arguments) => positions::run(&arguments),
         Command::Compensate(arguments) => compensate::run(&arguments),
+        Command::Budget(arguments) => budget::run(&arguments),
         Command::Margins(arguments) => margins::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),

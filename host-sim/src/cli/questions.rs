@@ -3,7 +3,7 @@
 use std::io::{BufRead, Write};
 
 use ::init::known::Known;
-use files::log::Log;
+use files::log::{Log, Unit};
 use model::axis::Drive;
 use model::machine::Machine;
 
@@ -26,8 +26,12 @@ pub fn ask(
             known.extend(answer(machine, (name, "drive"), "velocity or stepper", answers, terminal)?);
         }
         if axis.settings.mechanics.lead_mm.is_none() {
-            let what = "travel per turn of the screw, mm";
-            known.extend(answer(machine, (name, "lead_mm"), what, answers, terminal)?);
+            let is_rotary = of_axis().any(|axis| axis.unit == Unit::Degree);
+            let (key, what) = match is_rotary {
+                true => ("lead_deg", "angle of the axis per turn of the motor, degrees"),
+                false => ("lead_mm", "travel per turn of the screw, mm"),
+            };
+            known.extend(answer(machine, (name, key), what, answers, terminal)?);
         }
     }
     Ok(known)
@@ -63,7 +67,7 @@ fn answer(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use files::log::{AxisLog, Unit};
+    use files::log::AxisLog;
 
     fn asked(answers: &str, has_force: bool) -> (Vec<Known>, String) {
         let mut axis = AxisLog::new("x", Unit::Millimetre);

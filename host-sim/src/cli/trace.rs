@@ -8,11 +8,11 @@ use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
 use super::reading::ReadingArguments;
 use super::{friction_map, logs, summary};
+use budget::traced::Document;
 use contour::log_error::LogError;
 use files::output::write_whole;
 use model::machine::Machine;
 use report::trace_page::{self, Extra};
-use trace::json::Document;
 use trace::{AxisIdentification, Identification, Request, Task};
 
 /// Arguments of `trace`.
@@ -85,6 +85,7 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let progress = Progress::start();
     progress.show("reading the logs");
     let (fit, validate) = (logs::read(&arguments.fit, &reading)?, logs::read(&arguments.validate, &reading)?);
+    let (machine, of_gains) = ::init::gains::of_unknown(&machine, &fit);
     // Before the trace, which leaves memory in pieces that a path cannot use.
     let contour_errors = LogError::all(fit.iter().chain(&validate));
     let show = |what: &str| progress.show(what);
@@ -93,6 +94,9 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let trace = trace::requested(&machine, [&fit, &validate], request, &show)?;
     drop(progress);
     let mut output = summary::of_trace(&trace);
+    for note in of_gains {
+        output += &format!("\n\n{note}");
+    }
     if !contour_errors.is_empty() {
         output += &format!("\n\n{}", contour::text::of_logs(&contour_errors));
     }
@@ -109,13 +113,25 @@ fn write(arguments: &Arguments, trace: &Identification, contour_errors: Vec<LogE
     if let Some(path) = &arguments.propose {
         said += propose(trace, path)?;
     }
-    write_json(arguments.json.as_ref(), &Document::of(trace, &contour_errors, arguments.empirical))?;
+    let budget = match (&arguments.json, &arguments.report) {
+        (None, None) => None,
+        _ => match budget::traced::budget(trace) {
+            Ok(budget) => budget,
+            Err(error) => {
+                said += &format!("\n\nNo error budget: {error}.");
+                None
+            }
+        },
+    };
+    let document = trace::json::Document::of(trace, &contour_errors, arguments.empirical);
+    write_json(arguments.json.as_ref(), &Document::of(document, budget.as_ref()))?;
     if let Some(path) = &arguments.model {
         write_whole(path, |out| out.write_all(trace.better_machine().to_toml().as_bytes()))?;
     }
     if let Some(folder) = &arguments.report {
         let title = format!("Lost motion of {}", trace.machine().name);
-        let path = trace_page::write(folder, trace, &Extra { title, contour_errors, ..Extra::default() })?;
+        let path =
+            trace_page::write(folder, trace, &Extra { title, contour_errors, budget, ..Extra::default() })?;
         said += &format!("\n\nReport: {}", path.display());
     }
     Ok(said)

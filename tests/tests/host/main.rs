@@ -4,6 +4,7 @@
 mod added_force;
 mod blind_cases;
 mod board_setup;
+mod budget;
 mod command_line;
 mod compensation;
 mod corrupted;

@@ -35,7 +35,7 @@ pub fn log(circle: &Circle) -> Log {
 
 /// What a log shows.
 pub fn of_log(log: &Log) -> Analysis {
-    analyse(Measured::of_log(log).unwrap()).unwrap()
+    analyse(Measured::of_logs(std::slice::from_ref(log)).unwrap()).unwrap()
 }
 
 fn of_circle(circle: &Circle) -> Analysis {

@@ -189,10 +189,56 @@ fn three_quarters_of_a_turn_are_needed() {
         let count = axis.command.as_ref().unwrap().len();
         axis.command = Some((0..count).map(|i| 1e-3 * i as f64).collect());
     }
-    let error = Measured::of_log(&line).unwrap_err().to_string();
+    let error = Measured::of_logs(std::slice::from_ref(&line)).unwrap_err().to_string();
     assert!(error.contains("log.csv: expected a command with a circle"), "{error}");
     line.axes.iter_mut().for_each(|axis| axis.tool = None);
-    assert!(Measured::of_log(&line).unwrap_err().to_string().contains("expected a measured position"));
+    assert!(
+        Measured::of_logs(std::slice::from_ref(&line))
+            .unwrap_err()
+            .to_string()
+            .contains("expected a measured position")
+    );
+}
+
+/// The directions in two logs are one circle: squareness and servo mismatch, which one direction alone confuses, come apart, and every part
+/// is that of the one log within the samples that the cut costs (of 0.2 µm of noise each).
+#[test]
+fn directions_in_two_logs_are_one_circle() {
+    let circle = circle(&[Part::Squareness(8.0), Part::Servo(6.0), Part::Backlash(0, 5.0)]);
+    let whole = log(&circle);
+    let cut = |log: &Log, rows: std::ops::Range<usize>| {
+        let mut part = log.clone();
+        part.source = format!("{}.csv", rows.start);
+        part.start_s = log.start_s + rows.start as f64 * log.sample_time_s;
+        for axis in &mut part.axes {
+            for channel in [&mut axis.command, &mut axis.tool] {
+                *channel = channel.as_ref().map(|values| values[rows.clone()].to_vec());
+            }
+        }
+        part
+    };
+    let count = whole.axes[0].command.as_ref().unwrap().len();
+    let halves = [cut(&whole, 0..count / 2), cut(&whole, count / 2..count)];
+    let of_both = circle::analyse(Measured::of_logs(&halves).unwrap()).unwrap();
+    let of_one = of_log(&whole);
+    assert!(of_both.figures.hysteresis_um.is_some());
+    for (name, axes, um) in
+        [(Name::Squareness, "xy", 8.0), (Name::ServoMismatch, "xy", 6.0), (Name::Backlash, "x", 5.0)]
+    {
+        let [both, one] = [&of_both, &of_one].map(|analysis| found(analysis, name, axes).unwrap().um);
+        assert!((both - one).abs() < 0.1 && (both - um).abs() < 0.3, "{name:?}: {both} {one}");
+    }
+    let mut other = halves[1].clone();
+    for axis in &mut other.axes {
+        for channel in [&mut axis.command, &mut axis.tool] {
+            channel.iter_mut().flatten().for_each(|mm| *mm *= 1.01);
+        }
+    }
+    let error = Measured::of_logs(&[halves[0].clone(), other]).unwrap_err().to_string();
+    assert!(
+        error.contains(": expected a circle of radius 50.000 mm, as in 0.csv, found 50.500 mm"),
+        "{error}"
+    );
 }
 
 /// The same circle as one table with falling angles for clockwise, as two files, as deviations in µm with a column of directions, and

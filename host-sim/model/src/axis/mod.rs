@@ -11,6 +11,7 @@ pub(crate) use keys::axis_keys;
 pub(crate) use tolerated::tolerated_keys;
 pub use tolerated::{TOLERATED, Tolerances, Tolerated, is_mass};
 
+use files::log::Unit;
 use serde::{Deserialize, Serialize};
 use shared::units::TRAVEL_LIMIT_M;
 
@@ -90,6 +91,27 @@ impl Feedback {
             Self::Motor => "motor",
             Self::Table => "table",
             Self::Dual => "dual",
+        }
+    }
+}
+
+/// Which names the keys of an axis have in its file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum KeyNames {
+    /// Those of linear axes: N, mm, kg. In a file of a rotary axis, with degrees for mm, N·m for N and 1000° for a metre.
+    #[default]
+    Linear,
+    /// Those of rotary axes: N·m, degrees, kg·m².
+    Rotary,
+}
+
+impl KeyNames {
+    /// The unit of the channels of such an axis in a log.
+    #[must_use]
+    pub const fn log_unit(self) -> Unit {
+        match self {
+            Self::Linear => Unit::Millimetre,
+            Self::Rotary => Unit::Degree,
         }
     }
 }
@@ -210,10 +232,14 @@ macro_rules! settings {
         ///
         /// Without the keys of the controller the motor stage is not modelled; without masses the force stage is not.
         #[derive(Clone, Debug, Default, PartialEq)]
-        pub struct Settings { $(
-            $(#[$group_doc])*
-            pub $group: $Group,
-        )+ }
+        pub struct Settings {
+            /// The names of the keys in the file.
+            pub names: KeyNames,
+            $(
+                $(#[$group_doc])*
+                pub $group: $Group,
+            )+
+        }
 
         $(
             $(#[$group_doc])*

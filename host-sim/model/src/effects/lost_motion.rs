@@ -86,8 +86,7 @@ impl EffectModel for LostMotion {
     fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
         let what = "this effect only where neither masses nor stiffness are given, otherwise backlash";
         // One of the two alone would say nothing: both describe the sliding.
-        let lacking =
-            |key, given: &str| Some(Misplaced { key, expected: format!("this key, as {given} is given") });
+        let lacking = |key, given: &str| Some(Misplaced { key, expected: format!("a value beside {given}") });
         match (self.friction_m_per_s2, self.presliding_um) {
             _ if place.axis.has_drive_train() => Some(Misplaced::name(what)),
             (Some(_), None) => lacking("presliding_um", "friction_m_per_s2"),

@@ -287,10 +287,7 @@ mod tests {
         assert!(sentence(late, false).contains("tool reading is logged 2.000 ms late"));
         let pitch = "name = 'pitch_progressive'\nslope_um_per_m = -40";
         assert_eq!(sentence(pitch, false), "the screw moves the table 40.00 µm/m less than its nominal lead");
-        assert!(
-            sentence(pitch, true)
-                .contains("gear moves the table 40.00 mdeg per 1000° less than its nominal ratio")
-        );
+        assert!(sentence(pitch, true).contains("gear moves the table 40.00 ppm less than its nominal ratio"));
         let preload =
             "name = 'preload_variation'\ncentre_mm = 5\nslope_n_per_m = 2\ncurvature_n_per_m2 = 0.5";
         assert!(sentence(preload, true).contains("about 5.000°: slope 2.000 N·m per 1000°"));

@@ -78,7 +78,7 @@ impl EffectModel for ProbeRotation {
     }
 
     fn sentence(&self, wording: &Wording) -> String {
-        let unit = wording.by_axis("µm per m", "mdeg per 1000°");
+        let unit = wording.by_axis("µm per m", "ppm");
         format!("the probe is turned against the axes by {} {unit} (alignment)", wording.number(0))
     }
 

@@ -72,7 +72,7 @@ impl EffectModel for Squareness {
     }
 
     fn sentence(&self, wording: &Wording) -> String {
-        let unit = wording.by_axis("µm per m", "mdeg per 1000°");
+        let unit = wording.by_axis("µm per m", "ppm");
         format!(
             "the axes are out of square: the tool is displaced by {} {unit} of the other axis's travel",
             wording.number(0)

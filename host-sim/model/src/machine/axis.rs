@@ -2,10 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::evidence::Evidence;
 use super::nominal::{LogOffsets, Nominal};
 use crate::axis::{
-    Controller, Drive, Feedback, Field, Filters, Law, Limits, Mechanics, Pid, Sensors, Settings, TOLERATED,
-    Tolerances, axis_keys,
+    Controller, Drive, Feedback, Field, Filters, KeyNames, Law, Limits, Mechanics, Pid, Sensors, Settings,
+    TOLERATED, Tolerances, axis_keys,
 };
 use crate::effects::Effect;
 use crate::friction_curve::Curve;
@@ -24,6 +25,8 @@ pub struct Axis {
     pub log_offsets: Option<LogOffsets>,
     /// Effects found, in the order in which they were added.
     pub effect: Vec<Effect>,
+    /// What a trace knows of the first of these effects, in the same order.
+    pub evidence: Vec<Evidence>,
     /// Residuals that no effect describes.
     pub empirical: Vec<ResidualTable>,
 }
@@ -44,7 +47,7 @@ impl Axis {
     /// This axis with the values and effects before they were fitted.
     #[must_use]
     pub fn at_nominal(&self) -> Self {
-        let mut axis = Self { nominal: None, log_offsets: None, ..self.clone() };
+        let mut axis = Self { nominal: None, log_offsets: None, evidence: Vec::new(), ..self.clone() };
         let Some(nominal) = &self.nominal else { return axis };
         for value in TOLERATED {
             if let Some(number) = nominal.get(value.key) {
@@ -82,16 +85,22 @@ macro_rules! axis_table {
             #[serde(skip_serializing_if = "Vec::is_empty")]
             effect: Vec<Effect>,
             #[serde(skip_serializing_if = "Vec::is_empty")]
+            evidence: Vec<Evidence>,
+            #[serde(skip_serializing_if = "Vec::is_empty")]
             empirical: Vec<ResidualTable>,
         }
 
         impl From<AxisTable> for Axis {
             fn from(table: AxisTable) -> Self {
                 Self {
-                    settings: Settings { $($group: $Group { $($field: table.$field,)+ },)+ },
+                    settings: Settings {
+                        names: KeyNames::default(),
+                        $($group: $Group { $($field: table.$field,)+ },)+
+                    },
                     nominal: table.nominal,
                     log_offsets: table.log_offsets,
                     effect: table.effect,
+                    evidence: table.evidence,
                     empirical: table.empirical,
                 }
             }
@@ -104,6 +113,7 @@ macro_rules! axis_table {
                     nominal: axis.nominal,
                     log_offsets: axis.log_offsets,
                     effect: axis.effect,
+                    evidence: axis.evidence,
                     empirical: axis.empirical,
                 }
             }

@@ -11,6 +11,7 @@ use files::error::InputError;
 use super::axis::Axis;
 use super::declared::Machine;
 use super::instruments::InstrumentKeys;
+use super::rotary;
 use crate::axis::{Drive, Feedback, KEYS, Key, Settings};
 use crate::bodies::Assembly;
 use crate::effects::{Effect, KINDS, LONGEST_LATENCY_MS, Occurrence, Placement, names};
@@ -44,6 +45,7 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
         context.mechanics()?;
         context.tolerances()?;
         context.nominal()?;
+        context.evidence()?;
         context.empirical(machine)?;
         context.log_offsets(machine.sample_rate_hz)?;
         for (index, effect) in axis.effect.iter().enumerate() {
@@ -163,7 +165,8 @@ fn is_of_pid(key: &str) -> bool {
 
 impl Context<'_> {
     fn refuse(&self, key: &str, what: &str) -> InputError {
-        self.document.refuse(&format!("{}.{key}", self.key), what)
+        let what = rotary::in_words(what, self.settings.names);
+        self.document.refuse(&format!("{}.{key}", self.key), &what)
     }
 
     fn ranges(&self) -> Result<(), InputError> {
@@ -187,7 +190,7 @@ impl Context<'_> {
         let of_controller = |key: &&Key| ["filters", "limits"].contains(&key.group);
         let given = KEYS.iter().filter(of_controller).find(|key| (key.is_given)(self.settings));
         if let (Drive::Torque, None, Some(given)) = (controller.drive, controller.law, given) {
-            return Err(self.refuse("controller", &format!("this key, as {} is given", given.name)));
+            return Err(self.refuse("controller", &format!("a value beside {}", given.name)));
         }
         if let Some(limit_mm) = limits.frozen_encoder_limit_mm {
             let most_mm = limits.following_error_limit_mm.unwrap_or(1e3 * servo::FOLLOWING_ERROR_LIMIT_M);
@@ -197,7 +200,7 @@ impl Context<'_> {
             }
         }
         if sensors.feedback == Feedback::Dual && sensors.dual_feedback_time_constant_s.is_none() {
-            let what = "this key, as feedback is \"dual\"";
+            let what = "a value beside feedback = \"dual\"";
             return Err(self.refuse("dual_feedback_time_constant_s", what));
         }
         Ok(())
@@ -212,7 +215,7 @@ impl Context<'_> {
         }
         let presliding = mechanics.presliding_stiffness_n_per_um;
         if presliding.is_none() && mechanics.presliding_damping_n_s_per_m.is_some() {
-            let what = "this key, as presliding_damping_n_s_per_m is given";
+            let what = "a value beside presliding_damping_n_s_per_m";
             return Err(self.refuse("presliding_stiffness_n_per_um", what));
         }
         if let Some(curve) = &mechanics.friction_curve {

@@ -6,6 +6,7 @@ use shared::config::Rates;
 
 use super::axis::Axis;
 use super::instruments::InstrumentKeys;
+use super::rotary;
 use crate::bodies::Structure;
 
 /// A declared machine.
@@ -36,7 +37,8 @@ impl Machine {
     #[must_use]
     #[expect(clippy::missing_panics_doc, reason = "it cannot happen: see the message")]
     pub fn to_toml(&self) -> String {
-        toml::to_string(self).expect("texts, numbers and tables under text keys fit into TOML")
+        let text = toml::to_string(self).expect("texts, numbers and tables under text keys fit into TOML");
+        rotary::to_written(self, text)
     }
 
     /// Rate of the velocity loop.

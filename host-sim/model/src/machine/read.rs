@@ -5,8 +5,9 @@ use std::path::Path;
 use files::document::{Document, read_text};
 use files::error::InputError;
 
-use super::check;
 use super::declared::Machine;
+use super::{check, rotary};
+use crate::axis::KeyNames;
 
 impl Machine {
     /// Reads a machine file.
@@ -22,12 +23,19 @@ impl Machine {
     /// # Errors
     /// If the text does not describe a machine that can exist.
     pub fn parse(text: &str, source: &str) -> Result<Self, InputError> {
-        let document = Document::parse(text, source)?;
+        let written = Document::parse(text, source)?;
+        let linear = rotary::to_linear(&written)?;
+        let document = Document::parse(&linear.text, source)?.written_as(&written, linear.renamed);
         check::effects(&document)?;
         let mut machine: Self = document.deserialize()?;
         let order = document.children("axis");
         let position = |name: &String| order.iter().position(|key| key[5..] == name[..]);
         machine.axis.sort_by_cached_key(|name, _| position(name));
+        for name in &linear.axes {
+            if let Some(axis) = machine.axis.get_mut(name) {
+                axis.settings.names = KeyNames::Rotary;
+            }
+        }
         check::machine(&machine, &document)?;
         Ok(machine)
     }

@@ -14,7 +14,7 @@ use crate::controller::{AxisOutput, Controller, ControllerError, Status};
 use crate::delay::CommandDelay;
 use crate::machine_sim::{MachineSim, Measurement};
 use crate::parameters::AxisParameters;
-use files::log::{AxisLog, Log, Unit};
+use files::log::{AxisLog, Log};
 use model::effects::Channel;
 use model::machine::{Axis, Machine};
 use motion::PathBlock;
@@ -171,8 +171,8 @@ impl ClosedLoop<'_> {
     /// A log without rows: its names, sample time and channels.
     #[must_use]
     pub fn empty_log(&self) -> Log {
-        let axis = |name: &String| {
-            let mut axis = AxisLog::new(name, Unit::Millimetre);
+        let axis = |(name, axis): (&String, &Axis)| {
+            let mut axis = AxisLog::new(name, axis.settings.names.log_unit());
             for channel in Sample::CHANNELS {
                 *axis.channel_mut(channel) = Some(Vec::new());
             }
@@ -182,7 +182,7 @@ impl ClosedLoop<'_> {
             source: "simulation".to_owned(),
             start_s: self.start_s,
             sample_time_s: 1.0 / self.machine.sample_rate_hz,
-            axes: self.machine.axis.keys().map(axis).collect(),
+            axes: self.machine.axis.iter().map(axis).collect(),
         }
     }
 }

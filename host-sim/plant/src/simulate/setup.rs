@@ -6,7 +6,7 @@ use shared::units::Position;
 use super::error::SimulationError;
 use crate::controller::Controller;
 use crate::parameters::AxisParameters;
-use model::machine::Machine;
+use model::machine::{Machine, rotary};
 use model::servo;
 use shared::scalar::Format;
 
@@ -36,7 +36,9 @@ pub fn controller_setup(
 ) -> Result<(Vec<AxisSettings>, Vec<Position>), SimulationError> {
     let mut settings = Vec::new();
     for ((name, axis), parameters) in machine.axis.iter().zip(AxisParameters::of_machine(machine)) {
-        let lacks = |key| SimulationError::Lacks { axis: name.clone(), key };
+        let names = axis.settings.names;
+        let lacks =
+            |key| SimulationError::Lacks { axis: name.clone(), key: rotary::written(key, 1.0, names).0 };
         if parameters.motor_mass_kg + parameters.table_mass_kg <= 0.0 {
             return Err(lacks("table_mass_kg"));
         }

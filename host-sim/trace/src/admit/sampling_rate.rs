@@ -23,7 +23,7 @@ pub fn at_machine_rate<'a>(
     let what = format!("samples at the machine's sample_rate_hz of {}", machine.sample_rate_hz);
     if whole < 1.0 || (ratio / whole - 1.0).abs() > options.rate_tolerance {
         let why = if ratio < 1.0 - options.rate_tolerance {
-            "the values between its samples are not known"
+            "too few; sample_rate_hz can be set to the rate of the log"
         } else {
             "not a whole multiple"
         };

@@ -98,7 +98,7 @@ mod tests {
         let message = |rate| refused(&[log("l.csv", rate, Unit::Millimetre)], &[]);
         assert!(message(1500.0).ends_with("not a whole multiple"), "{}", message(1500.0));
         assert!(
-            message(500.0).ends_with("the values between its samples are not known"),
+            message(500.0).ends_with("too few; sample_rate_hz can be set to the rate of the log"),
             "{}",
             message(500.0)
         );

@@ -5,7 +5,7 @@ use super::scope::{Mechanics, NotTestable, Scope, ShownIn};
 use crate::input::signals::{AxisSignals, logged_channels};
 use model::axis::{Drive, Feedback, Law, Settings};
 use model::effects::Stage;
-use model::machine::Axis;
+use model::machine::{Axis, rotary};
 
 /// The scopes that can be evaluated with the logs and the declared model of an axis, in the order in which they are fitted
 /// (mechanics, servo loop, structure), and the stages that cannot be evaluated.
@@ -22,7 +22,8 @@ pub fn scopes(axis: &Axis, data: &FitData<'_>) -> (Vec<Scope>, Vec<NotTestable>)
         if missing.is_empty() {
             testable.push(stage);
         } else {
-            not_testable.push(NotTestable { stage, needs: missing.join(", ") });
+            let needs = rotary::in_words(&missing.join(", "), axis.settings.names);
+            not_testable.push(NotTestable { stage, needs });
         }
     }
     let among = |wanted: &[Stage]| {

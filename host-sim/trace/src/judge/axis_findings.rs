@@ -116,6 +116,12 @@ impl StageResidual {
 }
 
 impl AxisFindings {
+    /// The declared values under the keys and in the units of the machine file.
+    pub fn written_values(&self) -> impl Iterator<Item = DeclaredValue> {
+        let names = self.model.axis.settings.names;
+        self.declared_values.iter().map(move |value| value.as_written(names))
+    }
+
     /// The residual of a stage, if it was evaluated.
     #[must_use]
     pub fn residual(&self, stage: Stage) -> Option<&StageResidual> {

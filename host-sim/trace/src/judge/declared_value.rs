@@ -11,8 +11,9 @@ use crate::fit::intervals::covariance;
 use crate::fit::least_squares;
 use crate::fit::scope::Mechanics;
 use crate::fit::scope_fit::ScopeFit;
-use model::axis::{Tolerated, is_mass};
+use model::axis::{KeyNames, Tolerated, is_mass};
 use model::effects::Stage;
+use model::machine::rotary;
 
 /// A declared value with its fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +37,20 @@ pub struct DeclaredValue {
 }
 
 impl DeclaredValue {
+    /// The value under the key and in the unit of a file with these names of keys.
+    #[must_use]
+    pub fn as_written(&self, names: KeyNames) -> Self {
+        let written = |value| rotary::written(self.key, value, names).1;
+        let (key, declared) = rotary::written(self.key, self.declared, names);
+        Self {
+            key,
+            declared,
+            fitted: written(self.fitted),
+            half_width: written(self.half_width),
+            ..self.clone()
+        }
+    }
+
     /// Deviation of the fitted value from the declared one, relative to the declared one.
     #[must_use]
     pub fn deviation(&self) -> f64 {

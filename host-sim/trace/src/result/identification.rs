@@ -2,6 +2,7 @@
 
 use std::ops::Deref;
 
+use super::certainty::is_certain;
 use super::distinguishing_motion::Proposal;
 use crate::data_faults::DataFault;
 use crate::fit::axis_model::AxisModel;
@@ -11,7 +12,10 @@ use crate::input::signals::Signals;
 use crate::judge::axis_findings::AxisFindings;
 use crate::options::TraceOptions;
 use crate::search::ambiguity::Ambiguity;
-use model::machine::Machine;
+use files::log::Unit;
+use model::effects::Effect;
+use model::machine::evidence::{Certainty, Evidence};
+use model::machine::{Machine, rotary};
 
 /// The result of a trace: the effects that a machine shows in its logs and that its declared model lacks.
 #[derive(Clone, Debug)]
@@ -43,6 +47,30 @@ impl Deref for AxisIdentification {
 }
 
 impl AxisIdentification {
+    /// What is known of effects of the axis: of those that were found, and of those that its machine file had, what it said.
+    fn evidence(&self, effects: &[Effect]) -> Vec<Evidence> {
+        let of = |effect: &Effect| {
+            let declared = Evidence { effect: effect.name().to_owned(), ..Evidence::default() };
+            let Some(found) = self.found.iter().find(|found| found.effect.is_same(effect)) else {
+                let known = self.baseline.axis.evidence.iter().zip(&self.baseline.axis.effect);
+                let known = known.into_iter().find(|(_, other)| other.is_same(effect));
+                return known.map_or(declared, |(evidence, _)| evidence.clone());
+            };
+            let is_certain = is_certain(self, found);
+            Evidence {
+                certainty: if is_certain { Certainty::Certain } else { Certainty::Ambiguous },
+                half_widths: found
+                    .half_widths
+                    .iter()
+                    .map(|half| if half.is_finite() { *half } else { 0.0 })
+                    .collect(),
+                rivals: found.rival_names().into_iter().map(str::to_owned).collect(),
+                ..declared
+            }
+        };
+        effects.iter().map(of).collect()
+    }
+
     /// Pairs of effects that the logs do not distinguish, with a motion that does; without one if the machine file does not suffice to
     /// simulate it.
     pub fn ambiguities_with_motions(&self) -> impl Iterator<Item = (&Ambiguity, Option<&Proposal>)> {
@@ -97,7 +125,20 @@ impl Identification {
     /// The machine with fitted values and with the effects found.
     #[must_use]
     pub fn better_machine(&self) -> Machine {
-        better_machine(&self.declared.machine, self.axes.iter().map(|axis| (axis.axis.as_str(), &axis.model)))
+        let is_in_degrees =
+            |name: &str| self.axes.iter().any(|axis| axis.axis == name && axis.unit == Unit::Degree);
+        let names = rotary::named_as_logs(self.declared.machine.clone(), is_in_degrees);
+        let models = self.axes.iter().map(|axis| (axis.axis.as_str(), &axis.model));
+        let mut better = better_machine(&self.declared.machine, models);
+        for (axis, named) in better.axis.values_mut().zip(names.axis.values()) {
+            axis.settings.names = named.settings.names;
+        }
+        for axis in &self.axes {
+            if let Some(written) = better.axis.get_mut(&axis.axis) {
+                written.evidence = axis.evidence(&written.effect);
+            }
+        }
+        better
     }
 
     /// The data of one axis, by its index, in these logs.

@@ -290,7 +290,7 @@ fn motions() {
         of(
             name,
             "name = \"short\"\nramps = \"s-curve\"",
-            &["motion.toml: jerk_m_per_s3: expected this key, as ramps is \"s-curve\", found none"],
+            &["motion.toml: jerk_m_per_s3: expected a value beside ramps = \"s-curve\", found none"],
         ),
         of(
             "turns = 0.25",

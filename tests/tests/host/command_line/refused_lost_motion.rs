@@ -30,7 +30,7 @@ fn friction_and_presliding_are_given_together() {
         let folder = WorkFolder::with(&[("machine.toml", machine.as_str()), ("fit.csv", log())]);
         let message = folder.fails(TRACE, 2);
         let expected = format!(
-            "lost-motion: machine.toml: line {line}: axis.y.effect[0].{missing}: expected this key, as {given} is given, found none\n"
+            "lost-motion: machine.toml: line {line}: axis.y.effect[0].{missing}: expected a value beside {given}, found none\n"
         );
         assert_eq!(message, expected);
         assert!(!folder.path().join("out.json").exists());

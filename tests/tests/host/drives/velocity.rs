@@ -173,3 +173,35 @@ fn a_machine_file_may_hold_nothing_but_the_kind_of_drive() {
     let needs: Vec<&str> = trace.axes()[0].not_testable.iter().map(|stage| stage.needs.as_str()).collect();
     assert!(needs.iter().any(|needs| needs.contains("position_gain_per_s in the machine file")), "{needs:?}");
 }
+
+/// Gains that the machine file does not have are fitted: what they would be wrong by is no effect, the lag (1 − Kf)/Kp in steady motion is
+/// the true one, and the lost motion behind the motor is found beside it.
+#[test]
+fn unknown_gains_are_fitted_and_are_no_effects() {
+    for (seed, lost_mm) in [(11, 0.0), (12, 0.008)] {
+        let axis = Axis { lost_mm, ..AXIS };
+        let logs = logs(&axis, seed);
+        let (with_gains, notes) = init::gains::of_unknown(&machine("drive = \"velocity\"\n"), &logs[..2]);
+        assert_eq!(notes.len(), 1, "{notes:?}");
+        let trace = trace(&with_gains, &logs[..2], &logs[2..], &|_| {}).unwrap();
+        let expected: &[&str] = if lost_mm > 0.0 { &["lost_motion"] } else { &[] };
+        assert_eq!(names(&trace), expected, "{lost_mm}");
+        let controller = &trace.axes()[0].model.axis.settings.controller;
+        let [gain, percent] =
+            [controller.position_gain_per_s, controller.feedforward_percent].map(Option::unwrap);
+        let lag_s = (1.0 - 0.01 * percent) / gain;
+        assert!((lag_s / (0.2 / 45.0) - 1.0).abs() < 0.02, "{gain} 1/s, {percent} %");
+        let motor =
+            trace.axes()[0].residuals.iter().find(|r| r.stage == model::effects::Stage::Motor).unwrap();
+        // As with declared gains: the noise of the encoder and what the steps of the model leave.
+        assert!(motor.after.validate < 0.3, "{} µm", motor.after.validate);
+    }
+}
+
+/// A declared gain is left as it is.
+#[test]
+fn declared_gains_are_not_replaced() {
+    let declared = machine(&format!("drive = \"velocity\"\n{KEYS}"));
+    let (same, notes) = init::gains::of_unknown(&declared, &logs(&AXIS, 2)[..2]);
+    assert!(same == declared && notes.is_empty(), "{notes:?}");
+}

@@ -10,7 +10,7 @@ pub enum Unit {
     Millimetre,
     /// mm/s; °/s.
     MillimetrePerSecond,
-    /// µm/m; millidegrees per 1000°.
+    /// µm/m; millidegrees per 1000°, which are ppm.
     MicrometrePerMetre,
     /// µm/m²; millidegrees per (1000°)².
     MicrometrePerSquareMetre,
@@ -78,7 +78,7 @@ impl Unit {
             Self::Micrometre => ["µm", "mdeg"],
             Self::Millimetre => ["mm", "°"],
             Self::MillimetrePerSecond => ["mm/s", "°/s"],
-            Self::MicrometrePerMetre => ["µm/m", "mdeg per 1000°"],
+            Self::MicrometrePerMetre => ["µm/m", "ppm"],
             Self::MicrometrePerSquareMetre => ["µm/m²", "mdeg per (1000°)²"],
             Self::MicrometrePerMinute => ["µm/min", "mdeg/min"],
             Self::MicrometrePerAcceleration => ["µm per m/s²", "mdeg per 1000°/s²"],

@@ -18,7 +18,7 @@ impl Context<'_> {
             return Err(self.refuse("smoothing_time_constant_s", &format!("no such key, as {key} is given")));
         }
         if let (None, Some(_)) = (filters.smoothing_s, filters.smoothing_jerk_s) {
-            return Err(self.refuse("smoothing_s", "this key, as smoothing_jerk_s is given"));
+            return Err(self.refuse("smoothing_s", "a value beside smoothing_jerk_s"));
         }
         for (key, time_s) in windows {
             // A mean over one sample has no effect.
@@ -75,7 +75,7 @@ impl Context<'_> {
         let missing = keys.iter().find(|(_, value)| value.is_none());
         match (given, missing) {
             (Some((given, _)), Some((missing, _))) => {
-                Err(self.refuse(missing, &format!("this key, as {given} is given")))
+                Err(self.refuse(missing, &format!("a value beside {given}")))
             }
             _ => Ok(()),
         }

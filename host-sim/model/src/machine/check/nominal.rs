@@ -1,4 +1,4 @@
-//! Checks that the tables written by a trace, `nominal` and `log_offsets`, match the fitted values.
+//! Checks that the tables written by a trace, `nominal`, `evidence` and `log_offsets`, match the fitted values.
 
 use super::{Context, parameters};
 use crate::axis::{Drive, TOLERATED};
@@ -28,6 +28,28 @@ impl Context<'_> {
             Range::UpTo(100.0).check(&format!("{}.{key}", self.key), percent, self.document)?;
             if (value.get)(self.settings).is_none() {
                 return Err(self.refuse(&key, &format!("no such key, as {} is not given", value.key)));
+            }
+        }
+        Ok(())
+    }
+
+    /// The `evidence` tables: each names the effect of its place, and has as many half widths as that has values, or none.
+    pub(super) fn evidence(&self) -> Result<(), InputError> {
+        for (index, evidence) in self.axis.evidence.iter().enumerate() {
+            let key = |key: &str| format!("evidence[{index}].{key}");
+            let Some(effect) = self.axis.effect.get(index) else {
+                return Err(self.refuse(&format!("evidence[{index}]"), "an effect with this number"));
+            };
+            if evidence.effect != effect.name() {
+                let what = format!("{}, the name of effect[{index}]", effect.name());
+                return Err(self.refuse(&key("effect"), &what));
+            }
+            let count = effect.values().len();
+            if ![0, count].contains(&evidence.half_widths.len()) {
+                return Err(self.refuse(&key("half_widths"), &format!("{count} numbers, one for each value")));
+            }
+            if evidence.half_widths.iter().any(|half_width| *half_width < 0.0) {
+                return Err(self.refuse(&key("half_widths"), "numbers not below 0"));
             }
         }
         Ok(())

@@ -90,10 +90,7 @@ const BAD_LOOPS: &[(&str, &str)] = &[
         "smoothing_s = 0.513",
         "axis.y.smoothing_s: expected at most 512 samples (0.512 s) including smoothing_jerk_s",
     ),
-    (
-        "smoothing_jerk_s = 0.01",
-        "line 5: axis.y.smoothing_s: expected this key, as smoothing_jerk_s is given",
-    ),
+    ("smoothing_jerk_s = 0.01", "line 5: axis.y.smoothing_s: expected a value beside smoothing_jerk_s"),
     (
         "smoothing_s = 0.01\nsmoothing_jerk_s = 0.02",
         "line 7: axis.y.smoothing_jerk_s: expected a time no longer than smoothing_s, found 0.02",
@@ -107,11 +104,8 @@ const BAD_LOOPS: &[(&str, &str)] = &[
         "line 7: axis.y.smoothing_time_constant_s: expected no such key, as smoothing_s is given, found 0.3",
     ),
     ("smoothing_time_constant_s = 2e3", "expected a time of at most a million samples, found 2e3"),
-    (
-        "notch_frequency_hz = 100.0",
-        "axis.y.notch_width_hz: expected this key, as notch_frequency_hz is given",
-    ),
-    ("notch_depth = 1", "axis.y.notch_frequency_hz: expected this key, as notch_depth is given, found none"),
+    ("notch_frequency_hz = 100.0", "axis.y.notch_width_hz: expected a value beside notch_frequency_hz"),
+    ("notch_depth = 1", "axis.y.notch_frequency_hz: expected a value beside notch_depth, found none"),
     (
         "notch_frequency_hz = 2000\nnotch_width_hz = 10\nnotch_depth = 1",
         "line 6: axis.y.notch_frequency_hz: expected a number from 4 to 1800, found 2000",
@@ -121,7 +115,7 @@ const BAD_LOOPS: &[(&str, &str)] = &[
         "line 7: axis.y.notch_width_hz: expected a number from 0 to 400, found 401",
     ),
     ("notch_depth = 1.1", "axis.y.notch_depth: expected a number from 0 to 1, found 1.1"),
-    ("low_pass_frequency_hz = 100", "axis.y.low_pass_damping_ratio: expected this key, as low_pass_freq"),
+    ("low_pass_frequency_hz = 100", "axis.y.low_pass_damping_ratio: expected a value beside low_pass_freq"),
     (
         "low_pass_frequency_hz = 3\nlow_pass_damping_ratio = 0.7",
         "line 6: axis.y.low_pass_frequency_hz: expected a number from 4 to 1800, found 3",
@@ -160,7 +154,7 @@ fn bad_filters_and_limits_are_refused_with_line_key_and_expectation() {
         let text = format!("{MACHINE}{line}\n");
         let message = Machine::parse(&text, "m.toml").expect_err(line).to_string();
         let key = line.split(' ').next().unwrap();
-        let wanted = format!("axis.x.controller: expected this key, as {key} is given");
+        let wanted = format!("axis.x.controller: expected a value beside {key}");
         assert!(message.contains(&wanted), "{message}");
     }
 }

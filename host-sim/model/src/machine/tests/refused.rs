@@ -78,13 +78,13 @@ const BAD_MACHINES: &[(&str, &str, &str)] = &[
     (
         "dual_feedback_time_constant_s = 0.08\n",
         "",
-        "axis.y.dual_feedback_time_constant_s: expected this key, as feedback is \"dual\"",
+        "axis.y.dual_feedback_time_constant_s: expected a value beside feedback = \"dual\"",
     ),
     ("\"dual\"", "\"both\"", "line 24: axis.y.feedback: expected one of motor, table, dual, found \"both\""),
     (
         "presliding_stiffness_n_per_um = 40.0\n",
         "",
-        "axis.y.presliding_stiffness_n_per_um: expected this key, as presliding_damping_n_s_per_m is given",
+        "axis.y.presliding_stiffness_n_per_um: expected a value beside presliding_damping_n_s_per_m",
     ),
     (
         "coulomb_n = 150.0\n",
@@ -102,7 +102,7 @@ const BAD_MACHINES: &[(&str, &str, &str)] = &[
     ("[axis.x]", "axis = 3", "m.toml: line 4"),
     ("[axis.x]", "[axis.x]\neffect = 3", "line 42: axis.x.effect: expected an array, found 3"),
     ("[axis.x]", "[axis.x.effect]\nname = \"backlash\"", "axis.x.effect: expected an array, found a table"),
-    ("[axis.x]", "[axis.x]\ncoulomb_nm = 3", "line 42: axis.x.coulomb_nm: unknown key"),
+    ("[axis.x]", "[axis.x]\ncoulomb_newton = 3", "line 42: axis.x.coulomb_newton: unknown key"),
     ("[axis.y]", "[axis.y", "line 5: expected valid TOML"),
     ("force_limit_n", "lead_mm", "line 22: expected valid TOML: duplicate key"),
 ];

@@ -62,7 +62,8 @@ pub struct FittedValue {
 
 impl FittedValue {
     pub(super) fn of(axis: &AxisIdentification, value: &DeclaredValue) -> Self {
-        let DeclaredValue { key, declared, fitted, half_width, .. } = *value;
+        let DeclaredValue { key, declared, fitted, half_width, .. } =
+            value.as_written(axis.model.axis.settings.names);
         Self {
             axis: axis.axis.clone(),
             key,

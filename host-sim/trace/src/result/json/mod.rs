@@ -9,7 +9,6 @@ pub mod residual;
 
 use contour::log_error::LogError;
 use schemars::JsonSchema;
-use schemars::generate::SchemaSettings;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -76,7 +75,7 @@ impl Document {
             residual: of_axes(trace, |axis| axis.residuals.iter().map(|of| Residual::of(axis, of)).collect()),
             effects: effects(trace),
             declared: of_axes(trace, |axis| {
-                axis.declared_values.iter().map(|value| FittedValue::of(axis, value)).collect()
+                axis.written_values().map(|value| FittedValue::of(axis, &value)).collect()
             }),
             common_factor: of_axes(trace, |axis| CommonFactor::of(axis).into_iter().collect()),
             refuted: of_axes(trace, |axis| {
@@ -120,13 +119,6 @@ impl Document {
 #[must_use]
 pub fn effects(trace: &Identification) -> Vec<Effect> {
     of_axes(trace, |axis| axis.found.iter().map(|found| Effect::of(axis, found)).collect())
-}
-
-/// The JSON schema of [`Document`].
-#[must_use]
-pub fn schema() -> Value {
-    let generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
-    generator.into_root_schema_for::<Document>().to_value()
 }
 
 /// The channels of all axes, then the effects.

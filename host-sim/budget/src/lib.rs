@@ -1,0 +1,70 @@
+//! The error budget: by how much each cause makes a motion wrong at the tool, in µm.
+//!
+//! The closed loop of a model is simulated with all causes, with each alone, and with each taken out. From these, each cause gets its
+//! share of the mean square of the contour error; the shares add up to the whole.
+//!
+//! - [`cause`]: the causes of a machine, and the machine with some of them
+//! - [`sizes`]: the figures of a contour error
+//! - [`share`]: the rule by which causes that act together are told apart
+//! - [`simulation`]: the contour errors with each cause alone, and taken out
+//! - [`of_motion`]: the budget of a motion
+//! - [`motions`]: motions where none are given
+//! - [`interval`]: what the uncertainty of a cause's values makes of its share
+//! - [`remedy`]: what to do about a cause
+//! - [`traced`]: the budget of what a trace has found
+//! - [`json`], [`text`]: the result for a file, and for a terminal
+
+pub mod cause;
+pub mod interval;
+pub mod json;
+pub mod motions;
+pub mod of_motion;
+pub mod remedy;
+pub mod share;
+pub mod simulation;
+pub mod sizes;
+pub mod text;
+pub mod traced;
+
+use compensate::prediction::{PredictionError, TestMotion};
+use model::machine::Machine;
+use plant::equivalent::{self, Assumed};
+
+pub use of_motion::{CauseShare, MotionBudget};
+
+/// The budget of each motion, with what its simulation assumes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Budget {
+    /// Name of the machine.
+    pub machine: String,
+    /// The motions, in the order in which they were given.
+    pub motions: Vec<MotionBudget>,
+    /// What is assumed of axes whose loops or masses are not known.
+    pub assumed: Vec<Assumed>,
+    /// What is not in the budget, one sentence each.
+    pub notes: Vec<String>,
+}
+
+impl Budget {
+    /// The budget of a model on motions; `seed` is that of the noise of its sensors.
+    ///
+    /// # Errors
+    /// If a motion does not fit the machine, or the machine does not complete it.
+    pub fn of(model: &Machine, tests: &[TestMotion], seed: u64) -> Result<Self, PredictionError> {
+        let (model, mut notes) = cause::simulated(model);
+        let simulated = simulation::Simulated { model: &model, seed };
+        let motions =
+            tests.iter().map(|test| MotionBudget::of(&simulated, test)).collect::<Result<_, _>>()?;
+        if model.instruments.is_none() {
+            notes.push(
+                "Noise and resolution of the sensors are not in the machine file ([instruments]): they are not in the budget."
+                    .to_owned(),
+            );
+        }
+        let with_tables = model.axis.iter().filter(|(_, axis)| !axis.empirical.is_empty());
+        notes.extend(with_tables.map(|(name, _)| {
+            format!("{name}: a table of a residual has no cause, and stands in the budget as `unexplained`.")
+        }));
+        Ok(Self { machine: model.name.clone(), motions, assumed: equivalent::of(&model).1, notes })
+    }
+}

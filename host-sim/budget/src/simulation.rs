@@ -1,0 +1,91 @@
+//! The contour error of a motion with all causes, with each alone, and with each taken out.
+//!
+//! The lag of the loops acts in every simulation. What it does alone is a simulation without all other causes; its displacement of the
+//! tool is subtracted where the other causes shall act without it.
+
+use rayon::prelude::*;
+
+use compensate::CompensationFile;
+use compensate::alignment::aligned;
+use compensate::controller_host::ControllerHost;
+use compensate::prediction::{self, PredictionError, TestMotion};
+use contour::LoggedMotion;
+use files::log::{Channel, Log};
+use model::machine::Machine;
+
+use crate::cause::{self, Cause};
+use crate::sizes::Sizes;
+
+/// What is simulated.
+#[derive(Clone, Copy, Debug)]
+pub struct Simulated<'a> {
+    /// The model, with its effects.
+    pub model: &'a Machine,
+    /// Seed of the noise of the sensors.
+    pub seed: u64,
+}
+
+/// The contour error with a cause alone, and with all but it.
+#[derive(Clone, Copy, Debug)]
+pub struct AloneAndWithout {
+    /// With this cause alone.
+    pub alone: Sizes,
+    /// With all causes but this one.
+    pub without: Sizes,
+}
+
+impl Simulated<'_> {
+    /// The contour error with all causes, and of each cause.
+    ///
+    /// # Errors
+    /// If the motion does not fit the machine, or the machine does not complete it.
+    pub fn sizes(
+        &self,
+        test: &TestMotion,
+        causes: &[Cause],
+    ) -> Result<(Sizes, Vec<AloneAndWithout>), PredictionError> {
+        let lag = self.log(test, &[])?;
+        let all = self.log(test, causes)?;
+        let one = |cause: &Cause| match cause {
+            Cause::FollowingLag => {
+                Ok(AloneAndWithout { alone: sizes(&lag, test)?, without: sizes(&less(&all, &lag), test)? })
+            }
+            cause => {
+                let others: Vec<Cause> = causes.iter().filter(|other| *other != cause).cloned().collect();
+                let alone = self.log(test, std::slice::from_ref(cause))?;
+                let without = sizes(&self.log(test, &others)?, test)?;
+                Ok(AloneAndWithout { alone: sizes(&less(&alone, &lag), test)?, without })
+            }
+        };
+        let each = causes.par_iter().map(one).collect::<Result<_, PredictionError>>()?;
+        Ok((sizes(&all, test)?, each))
+    }
+
+    /// The log of the machine with some causes, with the tool where it is and not where a probe reads it.
+    fn log(&self, test: &TestMotion, causes: &[Cause]) -> Result<Log, PredictionError> {
+        let machine = cause::with(self.model, causes);
+        let instruments = cause::instruments(self.model, causes, self.seed);
+        let none = CompensationFile::none(&machine);
+        let log = prediction::log(&machine, &none, test, (instruments, ControllerHost::Host))?;
+        Ok(aligned(&log, &machine))
+    }
+}
+
+/// A log whose tool is not displaced as in another log of the same motion.
+fn less(log: &Log, other: &Log) -> Log {
+    let mut log = log.clone();
+    for (axis, other) in log.axes.iter_mut().zip(&other.axes) {
+        let (Some(command), Some(tool)) = (&other.command, &other.tool) else { continue };
+        let displaced = command.iter().zip(tool).map(|(command, tool)| tool - command);
+        if let Some(own) = axis.channel_mut(Channel::Tool) {
+            own.iter_mut().zip(displaced).for_each(|(mm, displaced)| *mm -= displaced);
+        }
+    }
+    log
+}
+
+fn sizes(log: &Log, test: &TestMotion) -> Result<Sizes, PredictionError> {
+    let error = LoggedMotion::of(log).ok().and_then(|motion| motion.contour_error());
+    let none = || PredictionError::NoContour { motion: test.motion.name.clone() };
+    error.as_ref().map(Sizes::of).ok_or_else(none)
+}

@@ -1,0 +1,135 @@
+//! The page of `budget`, and its section on the page of a trace: for each motion a sentence, and the causes as bars in µm.
+
+use std::path::{Path, PathBuf};
+
+use maud::{Markup, html};
+
+use budget::text::sentence;
+use budget::{Budget, CauseShare, MotionBudget};
+use files::format::significant;
+use files::output::OutputError;
+use pages::markup::{Column, list, note, number_cell, paragraph, section, table, text};
+
+/// Causes below this part of the whole are joined in one line.
+const LEAST: f64 = 0.01;
+
+/// Length of the longest bar, units of the drawing.
+const LONGEST: f64 = 100.0;
+
+/// Writes the page into a folder, which is created if it does not exist, and returns its path.
+///
+/// # Errors
+/// If the folder cannot be created or the page cannot be written.
+pub fn write(folder: &Path, budget: &Budget) -> Result<PathBuf, OutputError> {
+    pages::write(folder, &html(budget))
+}
+
+/// The page. The same result gives the same bytes.
+#[must_use]
+pub fn html(budget: &Budget) -> String {
+    let lead =
+        paragraph("What makes each motion wrong at the tool, by how many µm, and what to do about it.");
+    pages::render(&format!("Error budget of {}", budget.machine), &lead, &sections(budget))
+}
+
+/// A section for each motion, then what is assumed and left out.
+#[must_use]
+pub fn sections(budget: &Budget) -> Markup {
+    let said: Vec<String> =
+        budget.assumed.iter().map(plant::equivalent::Assumed::sentence).chain(budget.notes.clone()).collect();
+    html! {
+        @for motion in &budget.motions { (section(&heading(motion), &of_motion(motion))) }
+        @if !said.is_empty() { (section("Assumed and left out", &list(&said))) }
+        (note(
+            "The squares of the µm rms, with their signs, add up to that of the whole. Below zero: the cause makes others smaller. \
+             A share is half of the mean square that its cause makes alone and that goes away without it."
+        ))
+    }
+}
+
+fn heading(motion: &MotionBudget) -> String {
+    format!("Error budget: {}", motion.name)
+}
+
+fn of_motion(motion: &MotionBudget) -> Markup {
+    let is_shown = |cause: &&CauseShare| cause.share.rms.abs() >= LEAST * motion.whole.rms;
+    let longest_um = motion.causes.iter().map(|cause| cause.share.rms.abs()).fold(1e-12, f64::max);
+    let columns = [
+        Column::Words("cause"),
+        Column::Words(""),
+        Column::Numbers("µm rms"),
+        Column::Numbers("95 % interval"),
+        Column::Numbers("at most"),
+        Column::Numbers("G"),
+        Column::Words("certainty"),
+        Column::Words("what to do"),
+    ];
+    let rows = html! {
+        @for cause in motion.causes.iter().filter(is_shown) { (row(cause, longest_um)) }
+    };
+    let hidden = motion.causes.iter().filter(|cause| !is_shown(cause)).count();
+    html! {
+        (paragraph(&sentence(motion)))
+        div.budget { (table(&columns, &rows)) }
+        @if hidden > 0 {
+            (note(&format!("{hidden} more below {} µm.", significant(LEAST * motion.whole.rms, 2))))
+        }
+    }
+}
+
+fn row(cause: &CauseShare, longest_um: f64) -> Markup {
+    let um = |um: f64| significant(um, 3);
+    let interval =
+        cause.interval_um.map_or("–".to_owned(), |[from, to]| format!("{} to {}", um(from), um(to)));
+    html! {
+        tr {
+            th scope="row" { (text(&cause.title())) }
+            td.share { (bar(cause, longest_um)) }
+            (number_cell(&um(cause.share.rms)))
+            (number_cell(&interval))
+            (number_cell(&um(cause.share.max)))
+            (number_cell(&cause.share.circular.map_or("–".to_owned(), um)))
+            td { (cause.certainty.word()) }
+            td { (text(&cause.remedy)) }
+        }
+    }
+}
+
+/// A bar as long as the share; hollow if it makes others smaller.
+fn bar(cause: &CauseShare, longest_um: f64) -> Markup {
+    let width = format!("{:.2}", LONGEST * cause.share.rms.abs() / longest_um);
+    let class = if cause.share.rms < 0.0 { "left" } else { "taken" };
+    html! {
+        svg.bar viewBox="0 0 100 10" preserveAspectRatio="none" aria-hidden="true" {
+            rect class=(class) x="0" y="1" width=(width) height="8" {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use budget::motions::{Travel, standard};
+    use model::machine::Machine;
+
+    #[test]
+    fn the_page_shows_each_cause_with_its_bar_and_remedy() {
+        let text = format!(
+            "{}\n[[axis.x.effect]]\nname = 'backlash'\nwidth_um = 12.0\n",
+            model::examples::DEMO_MACHINE
+        );
+        let machine = Machine::parse(&text, "m.toml").unwrap();
+        let tests = standard(&Travel::of(&machine));
+        let budget = Budget::of(&machine, &tests[..1], 1).unwrap();
+        let page = html(&budget);
+        assert!(page.contains("backlash of x") && page.contains("compensate: half of the width"), "{page}");
+        // One bar for each cause that is shown; the longest is as long as the drawing.
+        let shown = budget.motions[0]
+            .causes
+            .iter()
+            .filter(|cause| cause.share.rms.abs() >= LEAST * budget.motions[0].whole.rms)
+            .count();
+        assert_eq!(page.matches("class=\"bar\"").count(), shown);
+        assert_eq!(page.matches("width=\"100.00\"").count(), 1);
+    }
+}
