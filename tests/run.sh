@@ -19,6 +19,7 @@ long=(
   model_again::a_model_of_a_case_is_stable model_again::a_model_of_measured_data_is_stable
   incomplete_logs::sweep::parts_of_the_blind_cases
   init::cases::all_other_cases init::measured::emps
+  pages_in_browser::
   budget::second_simulator::the_first_cause_is_the_true_one_on_fifty_machines
 )
 
@@ -32,6 +33,20 @@ install_tools() {
     done
   fi
   command -v qemu-system-arm >/dev/null || install_emulator
+}
+
+# Looks at pages in `all`.
+install_browser() {
+  command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null || {
+    local as_root=""
+    [ "$(id -u)" = 0 ] || as_root="$(command -v sudo || true)"
+    if command -v apt-get >/dev/null; then
+      $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium >/dev/null ||
+        echo "chromium cannot be installed: the pages are not looked at"
+    else
+      echo "chromium is missing: the pages are not looked at"
+    fi
+  }
 }
 
 install_emulator() {
@@ -100,6 +115,7 @@ esac
 
 step "tools"
 install_tools
+if [ "${1:-}" = all ]; then install_browser; fi
 step "format"
 cargo fmt --all --check
 if [ "${1:-}" = all ]; then

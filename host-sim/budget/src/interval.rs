@@ -1,13 +1,17 @@
 //! What the uncertainty of a cause's values makes of its share.
 //!
 //! A displacement is proportional to the size of its cause: the width of a gap, the amplitude of a wave, the values of a map. Its share is
-//! as uncertain as that, relatively. Where an effect has no such value, as a mode of the tool, all its values count.
+//! as uncertain as that, relatively. Where an effect has no such value, as a mode of the tool, all its values count. What a simulated
+//! machine itself is wrong by is added.
 
 use model::effects::{Effect, Unit};
 use model::machine::Machine;
 use model::machine::evidence::Evidence;
 
 use crate::cause::Cause;
+
+/// Relative error of a share by the simulation itself: the whole of the machines of another simulator is within it (tests `budget::`).
+const OF_SIMULATION: f64 = 0.05;
 
 /// The evidence for a cause; `None`: there is none.
 #[must_use]
@@ -18,9 +22,13 @@ pub fn evidence<'a>(cause: &Cause, machine: &'a Machine) -> Option<&'a Evidence>
     }
 }
 
-/// Relative half width of the 95 % interval of a cause's size; `None`: unknown.
+/// Relative half width of the 95 % interval of a cause's share; `None`: unknown.
 #[must_use]
 pub fn of(cause: &Cause, machine: &Machine) -> Option<f64> {
+    of_size(cause, machine).map(|relative| relative.hypot(OF_SIMULATION))
+}
+
+fn of_size(cause: &Cause, machine: &Machine) -> Option<f64> {
     let tolerance = |axis: usize, key: &str| {
         let tolerance = machine.axis[axis].settings.tolerance(key);
         (tolerance > 0.0).then_some(tolerance)

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use files::error::InputError;
 use files::log::{Log, Unit};
 use model::axis::{Drive, Settings, TOLERATED};
-use model::machine::{Axis, Machine, rotary};
+use model::machine::{Axis, Machine};
 use trace::AxisIdentification;
 use trace::Progress;
 use trace::input::signals::Signals;
@@ -66,7 +66,7 @@ pub struct Initial {
 pub fn machine(known: &Machine, logs: &[Log], progress: &Progress<'_>) -> Result<Initial, InputError> {
     let is_in_degrees =
         |name: &str| logs.iter().any(|log| log.axis(name).is_some_and(|axis| axis.unit == Unit::Degree));
-    let known = &rotary::named_as_logs(known.clone(), is_in_degrees);
+    let known = &known.clone().named_as_logs(is_in_degrees);
     let names: Vec<String> = known.axis.keys().cloned().collect();
     let options = TraceOptions::default();
     progress("regressions");

@@ -1,5 +1,5 @@
-//! Components of report pages. A page is one HTML file without scripts and without references to other files; the same
-//! result gives the same bytes.
+//! Components of report pages. A page is one HTML file without references to other files; the same result gives the same bytes. Its only
+//! script is that of the circles, which are complete without it.
 //!
 //! - here: the page as a file: head, stylesheet, writing
 //! - [`markup`]: HTML elements that several sections use
@@ -21,6 +21,9 @@ use markup::text;
 pub const FILE_NAME: &str = "report.html";
 
 const STYLE: &str = include_str!("style.css");
+
+/// The script of the circles: a slider for the magnification, the deviation under the pointer.
+const POLAR: &str = include_str!("polar.js");
 
 /// Path of the page in a folder, if there is one.
 #[must_use]
@@ -45,6 +48,7 @@ pub fn render(title: &str, lead: &Markup, sections: &Markup) -> String {
                     header { h1 { (text(title)) } (lead) }
                     (sections)
                 }
+                @if sections.0.contains(polar::MARK) { script { (PreEscaped(POLAR)) } }
             }
         }
         "\n"

@@ -64,18 +64,20 @@ pub enum Column {
 #[must_use]
 pub fn table(columns: &[Column], rows: &Markup) -> Markup {
     html! {
-        table {
-            thead {
-                tr {
-                    @for column in columns {
-                        @match column {
-                            Column::Words(heading) => th scope="col" { (heading) },
-                            Column::Numbers(heading) => th.n scope="col" { (heading) },
+        div.scroll {
+            table {
+                thead {
+                    tr {
+                        @for column in columns {
+                            @match column {
+                                Column::Words(heading) => th scope="col" { (heading) },
+                                Column::Numbers(heading) => th.n scope="col" { (heading) },
+                            }
                         }
                     }
                 }
+                tbody { (rows) }
             }
-            tbody { (rows) }
         }
     }
 }
@@ -102,9 +104,20 @@ pub fn figure(class: &str, picture: &str, caption: &str) -> Markup {
 /// An SVG element with title and description for screen readers. The size is in units of the drawing; the page scales
 /// it.
 #[must_use]
-pub fn svg((width, height): (u32, u32), title: &str, description: &str, body: &Markup) -> String {
+pub fn svg(size: (u32, u32), title: &str, description: &str, body: &Markup) -> String {
+    svg_with(size, None, (title, description), body)
+}
+
+/// An SVG element as [`svg`], with the µm of a division if it is a circle.
+#[must_use]
+pub fn svg_with(
+    (width, height): (u32, u32),
+    division_um: Option<f64>,
+    (title, description): (&str, &str),
+    body: &Markup,
+) -> String {
     let element = html! {
-        svg viewBox={ "0 0 " (width) " " (height) } role="img" {
+        svg viewBox={ "0 0 " (width) " " (height) } role="img" data-division=[division_um] {
             title { (text(title)) }
             desc { (text(description)) }
             (body)
@@ -176,8 +189,8 @@ mod tests {
         let table = table(&[Column::Words("name"), Column::Numbers("size")], &row);
         assert_eq!(
             table.0,
-            "<table><thead><tr><th scope=\"col\">name</th><th class=\"n\" scope=\"col\">size</th></tr></thead>\
-             <tbody><tr><td>a</td><td class=\"n\">1\u{a0}µm</td></tr></tbody></table>"
+            "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">name</th><th class=\"n\" scope=\"col\">size</th></tr></thead>\
+             <tbody><tr><td>a</td><td class=\"n\">1\u{a0}µm</td></tr></tbody></table></div>"
         );
     }
 }

@@ -4,8 +4,11 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use maud::{Markup, html};
 
-use super::markup::{svg, text};
+use super::markup::{svg_with, text};
 use files::format::signed;
+
+/// The attribute with the µm of a division, by which the script of the page knows a circle.
+pub(super) const MARK: &str = "data-division";
 
 /// Side of the picture, radius of the circle, and one division, in pixels of the page.
 const SIDE: u32 = 310;
@@ -48,7 +51,7 @@ pub fn drawing(
         (labels(axes, division_um))
         @for (class, points) in lines { polyline class=(class) points=(path(points)) {} }
     };
-    svg((SIDE, SIDE), title, description, &body)
+    svg_with((SIDE, SIDE), Some(division_um), (title, description), &body)
 }
 
 /// Position of a polar point in the picture.
@@ -82,17 +85,29 @@ fn labels([x, y]: [&str; 2], division_um: f64) -> Markup {
     let middle = 0.5 * f64::from(SIDE);
     let edge = f64::from(DIVISIONS) * division_um;
     let corner = middle - FRAC_1_SQRT_2 * OUTER;
-    let label = |x: f64, y: f64, anchor: &str, words: &str| {
+    let label = |x: f64, y: f64, anchor: &str, (words, um): (&str, Option<f64>)| {
         html! {
-            text.label x=(format_args!("{x:.1}")) y=(format_args!("{y:.1}")) text-anchor=(anchor) font-size="11" {
-                (text(words))
-            }
+            text.label.edge[um.is_some()] data-um=[um] x=(format_args!("{x:.1}")) y=(format_args!("{y:.1}"))
+                text-anchor=(anchor) font-size="11" { (text(words)) }
         }
     };
+    let (outwards, inwards) = (format!("{} µm", signed(edge, 1)), signed(-edge, 1));
     html! {
-        (label(corner - 2.0, corner - 2.0, "end", &format!("{} µm", signed(edge, 1))))
-        (label(middle, middle + 4.0, "middle", &signed(-edge, 1)))
-        (label(middle + OUTER + 3.0, middle + 4.0, "start", &format!("+{x}")))
-        (label(middle, middle - OUTER - 3.0, "middle", &format!("+{y}")))
+        (label(corner - 2.0, corner - 2.0, "end", (&outwards, Some(edge))))
+        (label(middle, middle + 4.0, "middle", (&inwards, Some(-edge))))
+        (label(middle + OUTER + 3.0, middle + 4.0, "start", (&format!("+{x}"), None)))
+        (label(middle, middle - OUTER - 3.0, "middle", (&format!("+{y}"), None)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The script computes deviations back from the picture, with the measures of the picture.
+    #[test]
+    fn the_script_has_the_measures_of_the_picture() {
+        let measures = format!("BASE = {BASE}, DIVISION = {DIVISION}, MIDDLE = {}", 0.5 * f64::from(SIDE));
+        assert!(crate::POLAR.contains(&measures), "{measures}");
     }
 }

@@ -38,7 +38,12 @@ pub fn sections(budget: &Budget) -> Markup {
     let said: Vec<String> =
         budget.assumed.iter().map(plant::equivalent::Assumed::sentence).chain(budget.notes.clone()).collect();
     html! {
-        @for motion in &budget.motions { (section(&heading(motion), &of_motion(motion))) }
+        @if let Some((first, others)) = budget.motions.split_first() {
+            (section(&heading(first), &of_motion(first)))
+            @for motion in others {
+                details { summary { (text(&sentence(motion))) } (bars(motion)) }
+            }
+        }
         @if !said.is_empty() { (section("Assumed and left out", &list(&said))) }
         (note(
             "The squares of the µm rms, with their signs, add up to that of the whole. Below zero: the cause makes others smaller. \
@@ -52,6 +57,11 @@ fn heading(motion: &MotionBudget) -> String {
 }
 
 fn of_motion(motion: &MotionBudget) -> Markup {
+    html! { (paragraph(&sentence(motion))) (bars(motion)) }
+}
+
+/// The table of the causes with their bars.
+fn bars(motion: &MotionBudget) -> Markup {
     let is_shown = |cause: &&CauseShare| cause.share.rms.abs() >= LEAST * motion.whole.rms;
     let longest_um = motion.causes.iter().map(|cause| cause.share.rms.abs()).fold(1e-12, f64::max);
     let columns = [
@@ -69,8 +79,7 @@ fn of_motion(motion: &MotionBudget) -> Markup {
     };
     let hidden = motion.causes.iter().filter(|cause| !is_shown(cause)).count();
     html! {
-        (paragraph(&sentence(motion)))
-        div.budget { (table(&columns, &rows)) }
+        (table(&columns, &rows))
         @if hidden > 0 {
             (note(&format!("{hidden} more below {} µm.", significant(LEAST * motion.whole.rms, 2))))
         }

@@ -44,16 +44,18 @@ fn table_of_axis(axis: &AxisIdentification) -> Markup {
     }
     html! {
         h3 { "Axis " (text(&axis.axis)) }
-        table.ranking {
-            colgroup { col; col; col; col; }
-            thead {
-                tr {
-                    th scope="col" { "candidate" }
-                    th scope="col" colspan="2" { "gain" }
-                    th scope="col" { "verdict" }
+        div.scroll {
+            table.ranking {
+                colgroup { col; col; col; col; }
+                thead {
+                    tr {
+                        th scope="col" { "candidate" }
+                        th scope="col" colspan="2" { "gain" }
+                        th scope="col" { "verdict" }
+                    }
                 }
+                (rounds)
             }
-            (rounds)
         }
     }
 }

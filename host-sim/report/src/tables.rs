@@ -22,26 +22,28 @@ pub fn errors(axes: &[AxisIdentification]) -> Markup {
     }
     html! {
         (note(RESIDUALS_NOTE))
-        table {
-            thead {
-                tr {
-                    th rowspan="2" scope="col" { "axis" }
-                    th rowspan="2" scope="col" { "channel" }
-                    th rowspan="2" scope="col" { "unit" }
-                    th.n colspan="2" scope="colgroup" { "before" }
-                    th.n colspan="2" scope="colgroup" { "after" }
-                    th.n rowspan="2" scope="col" { "noise" }
-                }
-                tr {
-                    @for _ in ["before", "after"] {
-                        th.n scope="col" { "fit" }
-                        th.n scope="col" { "validate" }
+        div.scroll {
+            table {
+                thead {
+                    tr {
+                        th rowspan="2" scope="col" { "axis" }
+                        th rowspan="2" scope="col" { "channel" }
+                        th rowspan="2" scope="col" { "unit" }
+                        th.n colspan="2" scope="colgroup" { "before" }
+                        th.n colspan="2" scope="colgroup" { "after" }
+                        th.n rowspan="2" scope="col" { "noise" }
+                    }
+                    tr {
+                        @for _ in ["before", "after"] {
+                            th.n scope="col" { "fit" }
+                            th.n scope="col" { "validate" }
+                        }
                     }
                 }
-            }
-            tbody {
-                @for axis in axes {
-                    @for error in in_order_of_stages(axis) { (error_row(axis, error)) }
+                tbody {
+                    @for axis in axes {
+                        @for error in in_order_of_stages(axis) { (error_row(axis, error)) }
+                    }
                 }
             }
         }

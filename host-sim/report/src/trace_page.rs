@@ -53,8 +53,8 @@ pub fn html(trace: &Identification, extra: &Extra) -> String {
         (note(&sources(trace)))
     };
     let sections = html! {
-        (section("Effects found", &found(trace, extra)))
         @if let Some(budget) = &extra.budget { (budget_page::sections(budget)) }
+        (section("Effects found", &found(trace, extra)))
         (section("Residuals before and after", &tables::errors(trace.axes())))
         (section("Contour error", &tables::contour_errors(&extra.contour_errors)))
         (section("Before and after the compensation", &before_after::round_trip(&extra.round_trip.0, &extra.round_trip.1)))

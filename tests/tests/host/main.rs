@@ -26,6 +26,7 @@ mod measured_data;
 mod model_again;
 mod module_circles;
 mod no_false_names;
+mod pages_in_browser;
 mod trace_schema;
 mod traces;
 mod usb_port;

@@ -98,10 +98,10 @@ impl Feedback {
 /// Which names the keys of an axis have in its file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum KeyNames {
-    /// Those of linear axes: N, mm, kg. In a file of a rotary axis, with degrees for mm, N·m for N and 1000° for a metre.
+    /// Names of linear axes: N, mm, kg. In a file of a rotary axis, with degrees for mm, N·m for N and 1000° for a metre.
     #[default]
     Linear,
-    /// Those of rotary axes: N·m, degrees, kg·m².
+    /// Names of rotary axes: N·m, degrees, kg·m².
     Rotary,
 }
 

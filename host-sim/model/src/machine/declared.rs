@@ -7,6 +7,7 @@ use shared::config::Rates;
 use super::axis::Axis;
 use super::instruments::InstrumentKeys;
 use super::rotary;
+use crate::axis::KeyNames;
 use crate::bodies::Structure;
 
 /// A declared machine.
@@ -38,7 +39,20 @@ impl Machine {
     #[expect(clippy::missing_panics_doc, reason = "it cannot happen: see the message")]
     pub fn to_toml(&self) -> String {
         let text = toml::to_string(self).expect("texts, numbers and tables under text keys fit into TOML");
-        rotary::to_written(self, text)
+        let is_rotary = |(_, axis): &(&String, &Axis)| axis.settings.names == KeyNames::Rotary;
+        let rotary: Vec<&String> = self.axis.iter().filter(is_rotary).map(|(name, _)| name).collect();
+        rotary::to_rotary(text, &rotary)
+    }
+
+    /// This machine with the names of rotary axes on the axes whose logs are in degrees, unless one of their keys is that of a linear axis.
+    #[must_use]
+    pub fn named_as_logs(mut self, is_in_degrees: impl Fn(&str) -> bool) -> Self {
+        for (name, axis) in &mut self.axis {
+            if is_in_degrees(name) && rotary::is_neutral(&axis.settings) {
+                axis.settings.names = KeyNames::Rotary;
+            }
+        }
+        self
     }
 
     /// Rate of the velocity loop.

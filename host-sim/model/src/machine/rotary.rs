@@ -9,49 +9,49 @@ use std::f64::consts::PI;
 use files::document::Document;
 use files::error::InputError;
 
-use super::declared::Machine;
-use crate::axis::{KEYS as AXIS_KEYS, KeyNames};
+use crate::axis::{KEYS as AXIS_KEYS, KeyNames, Settings};
 use crate::effects::KINDS;
 
 /// 1000°, which replace a metre, in radians: the factor from a value per radian to one per 1000°.
 const RADIANS_PER_KDEG: f64 = 1000.0 * PI / 180.0;
 
-/// A key of a rotary axis, the key of a linear axis in whose place it stands, and the factor from its value to that of the latter.
+/// A key of a rotary axis, the key of a linear axis in whose place it stands, and the factor from its value to that of the latter;
+/// `None`: the values are the same.
 struct RotaryKey {
     rotary: &'static str,
     linear: &'static str,
-    factor: f64,
+    factor: Option<f64>,
 }
 
 /// Keys of an axis that are not those of an effect.
 const KEYS: &[RotaryKey] = &[
-    key("motor_inertia_kg_m2", "motor_mass_kg", RADIANS_PER_KDEG),
-    key("table_inertia_kg_m2", "table_mass_kg", RADIANS_PER_KDEG),
-    key("stiffness_nm_per_rad", "stiffness_n_per_um", 1e-6 * RADIANS_PER_KDEG),
-    key("damping_nm_s_per_rad", "damping_n_s_per_m", RADIANS_PER_KDEG),
-    key("coulomb_nm", "coulomb_n", 1.0),
-    key("viscous_nm_s_per_rad", "viscous_n_s_per_m", RADIANS_PER_KDEG),
-    key("motor_coulomb_nm", "motor_coulomb_n", 1.0),
-    key("presliding_stiffness_nm_per_rad", "presliding_stiffness_n_per_um", 1e-6 * RADIANS_PER_KDEG),
-    key("presliding_damping_nm_s_per_rad", "presliding_damping_n_s_per_m", RADIANS_PER_KDEG),
-    key("lead_deg", "lead_mm", 1.0),
-    key("velocity_gain_nm_s_per_rad", "velocity_gain_n_s_per_m", RADIANS_PER_KDEG),
-    key("torque_limit_nm", "force_limit_n", 1.0),
-    key("pid_bias_deg_per_s", "pid_bias_mm_per_s", 1.0),
-    key("pid_deadband_mdeg", "pid_deadband_um", 1.0),
-    key("pid_max_error_deg", "pid_max_error_mm", 1.0),
-    key("pid_max_error_i_deg_s", "pid_max_error_i_mm_s", 1.0),
-    key("pid_max_error_d_deg_per_s", "pid_max_error_d_mm_per_s", 1.0),
-    key("pid_max_output_deg_per_s", "pid_max_output_mm_per_s", 1.0),
-    key("travel_deg", "travel_mm", 1.0),
-    key("following_error_limit_deg", "following_error_limit_mm", 1.0),
-    key("stop_deceleration_deg_per_s2", "stop_deceleration_m_per_s2", 1e-3),
-    key("scale_disagreement_limit_deg", "scale_disagreement_limit_mm", 1.0),
-    key("fastest_deg_per_s", "fastest_mm_per_s", 1.0),
-    key("frozen_encoder_limit_deg", "frozen_encoder_limit_mm", 1.0),
+    key("motor_inertia_kg_m2", "motor_mass_kg", Some(RADIANS_PER_KDEG)),
+    key("table_inertia_kg_m2", "table_mass_kg", Some(RADIANS_PER_KDEG)),
+    key("stiffness_nm_per_rad", "stiffness_n_per_um", Some(1e-6 * RADIANS_PER_KDEG)),
+    key("damping_nm_s_per_rad", "damping_n_s_per_m", Some(RADIANS_PER_KDEG)),
+    key("coulomb_nm", "coulomb_n", None),
+    key("viscous_nm_s_per_rad", "viscous_n_s_per_m", Some(RADIANS_PER_KDEG)),
+    key("motor_coulomb_nm", "motor_coulomb_n", None),
+    key("presliding_stiffness_nm_per_rad", "presliding_stiffness_n_per_um", Some(1e-6 * RADIANS_PER_KDEG)),
+    key("presliding_damping_nm_s_per_rad", "presliding_damping_n_s_per_m", Some(RADIANS_PER_KDEG)),
+    key("lead_deg", "lead_mm", None),
+    key("velocity_gain_nm_s_per_rad", "velocity_gain_n_s_per_m", Some(RADIANS_PER_KDEG)),
+    key("torque_limit_nm", "force_limit_n", None),
+    key("pid_bias_deg_per_s", "pid_bias_mm_per_s", None),
+    key("pid_deadband_mdeg", "pid_deadband_um", None),
+    key("pid_max_error_deg", "pid_max_error_mm", None),
+    key("pid_max_error_i_deg_s", "pid_max_error_i_mm_s", None),
+    key("pid_max_error_d_deg_per_s", "pid_max_error_d_mm_per_s", None),
+    key("pid_max_output_deg_per_s", "pid_max_output_mm_per_s", None),
+    key("travel_deg", "travel_mm", None),
+    key("following_error_limit_deg", "following_error_limit_mm", None),
+    key("stop_deceleration_deg_per_s2", "stop_deceleration_m_per_s2", Some(1e-3)),
+    key("scale_disagreement_limit_deg", "scale_disagreement_limit_mm", None),
+    key("fastest_deg_per_s", "fastest_mm_per_s", None),
+    key("frozen_encoder_limit_deg", "frozen_encoder_limit_mm", None),
 ];
 
-const fn key(rotary: &'static str, linear: &'static str, factor: f64) -> RotaryKey {
+const fn key(rotary: &'static str, linear: &'static str, factor: Option<f64>) -> RotaryKey {
     RotaryKey { rotary, linear, factor }
 }
 
@@ -59,7 +59,7 @@ const fn key(rotary: &'static str, linear: &'static str, factor: f64) -> RotaryK
 #[must_use]
 pub fn written(linear_key: &'static str, value: f64, names: KeyNames) -> (&'static str, f64) {
     match KEYS.iter().find(|key| key.linear == linear_key) {
-        Some(key) if names == KeyNames::Rotary => (key.rotary, value / key.factor),
+        Some(key) if names == KeyNames::Rotary => (key.rotary, value / key.factor.unwrap_or(1.0)),
         _ => (linear_key, value),
     }
 }
@@ -75,19 +75,12 @@ pub fn in_words(sentence: &str, names: KeyNames) -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
-/// The machine with the names of rotary axes on the axes whose logs are in degrees, unless one of their keys is that of a linear axis.
+/// Whether no key of an axis is one that has another name on rotary axes.
 #[must_use]
-pub fn named_as_logs(mut machine: Machine, is_in_degrees: impl Fn(&str) -> bool) -> Machine {
-    for (name, axis) in &mut machine.axis {
-        let is_free = |known: &RotaryKey| {
-            let key = AXIS_KEYS.iter().find(|key| key.name == known.linear);
-            key.is_none_or(|key| !(key.is_given)(&axis.settings))
-        };
-        if is_in_degrees(name) && KEYS.iter().all(is_free) {
-            axis.settings.names = KeyNames::Rotary;
-        }
-    }
-    machine
+pub fn is_neutral(settings: &Settings) -> bool {
+    let is_given =
+        |known: &RotaryKey| AXIS_KEYS.iter().any(|key| key.name == known.linear && (key.is_given)(settings));
+    !KEYS.iter().any(is_given)
 }
 
 /// A text with the keys of linear axes.
@@ -127,16 +120,16 @@ pub(super) fn to_linear(document: &Document<'_>) -> Result<Linear, InputError> {
     Ok(Linear { text, axes, renamed: renaming.renamed })
 }
 
-/// The text of a machine file, whose keys are those of linear axes, with those of rotary axes on the axes that have them.
-pub(super) fn to_written(machine: &Machine, text: String) -> String {
-    let rotary = machine.axis.iter().filter(|(_, axis)| axis.settings.names == KeyNames::Rotary);
-    let mut rotary = rotary.map(|(name, _)| format!("axis.{name}")).peekable();
-    if rotary.peek().is_none() {
+/// The text of a machine file, whose keys are those of linear axes, with those of rotary axes on these axes.
+pub(super) fn to_rotary(text: String, axes: &[&String]) -> String {
+    if axes.is_empty() {
         return text;
     }
     let Ok(document) = Document::parse(&text, "machine") else { return text };
     let mut renaming = Renaming::default();
-    rotary.for_each(|axis| renaming.axis(&document, &axis, Direction::ToRotary));
+    for axis in axes {
+        renaming.axis(&document, &format!("axis.{axis}"), Direction::ToRotary);
+    }
     document.replaced(&renaming.changes)
 }
 
@@ -173,8 +166,8 @@ impl Renaming {
             let is_it = |key: &&RotaryKey| last(path) == key.old_and_new(direction)[0];
             let Some(key) = KEYS.iter().find(is_it) else { continue };
             self.key(document, path, key.old_and_new(direction)[1]);
-            if has_values && key.factor != 1.0 {
-                let factor = if direction == Direction::ToLinear { key.factor } else { 1.0 / key.factor };
+            if let Some(factor) = key.factor.filter(|_| has_values) {
+                let factor = if direction == Direction::ToLinear { factor } else { 1.0 / factor };
                 let scaled = document.number(path).map(|value| to_15_digits(value * factor));
                 self.changes.extend(scaled.map(|value| (document.value_span(path), format!("{value:?}"))));
             }
@@ -226,6 +219,7 @@ fn to_15_digits(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::Machine;
 
     const TEXT: &str = "name = 'robot'\nsample_rate_hz = 1000.0\n[axis.c]\nmotor_inertia_kg_m2 = 0.134\ntable_inertia_kg_m2 = 0.5\n\
         stiffness_nm_per_rad = 2e5\nviscous_nm_s_per_rad = 3.5\ncoulomb_nm = 12.0\nlead_deg = 3.6\n\

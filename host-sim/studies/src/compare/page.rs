@@ -58,25 +58,27 @@ pub fn nanometres(nm: f64) -> String {
 fn table(comparison: &Comparison) -> Markup {
     html! {
         (note(TABLE_NOTE))
-        table {
-            thead {
-                tr {
-                    th rowspan="2" scope="col" { "motion" }
-                    th rowspan="2" scope="col" { "arithmetic" }
-                    th colspan="2" scope="colgroup" { "command, nm" }
-                    th colspan="2" scope="colgroup" { "position, nm" }
-                    th.n rowspan="2" scope="col" { "drift, nm" }
-                    th.n rowspan="2" scope="col" { "instructions" br; "a tick" }
-                }
-                tr {
-                    @for _ in ["command", "position"] {
-                        th.n scope="col" { "max" }
-                        th.n scope="col" { "rms" }
+        div.scroll {
+            table {
+                thead {
+                    tr {
+                        th rowspan="2" scope="col" { "motion" }
+                        th rowspan="2" scope="col" { "arithmetic" }
+                        th colspan="2" scope="colgroup" { "command, nm" }
+                        th colspan="2" scope="colgroup" { "position, nm" }
+                        th.n rowspan="2" scope="col" { "drift, nm" }
+                        th.n rowspan="2" scope="col" { "instructions" br; "a tick" }
+                    }
+                    tr {
+                        @for _ in ["command", "position"] {
+                            th.n scope="col" { "max" }
+                            th.n scope="col" { "rms" }
+                        }
                     }
                 }
-            }
-            tbody {
-                @for row in &comparison.rows { (table_row(row)) }
+                tbody {
+                    @for row in &comparison.rows { (table_row(row)) }
+                }
             }
         }
     }

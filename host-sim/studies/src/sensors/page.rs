@@ -48,20 +48,22 @@ fn table(study: &SensorStudy) -> Markup {
     );
     html! {
         (note(&remark))
-        table {
-            thead {
-                tr {
-                    th scope="col" { "feedback" }
-                    th scope="col" { "law" }
-                    @for column in COLUMNS { th.n scope="col" { (text(column)) } }
-                }
-            }
-            tbody {
-                @for row in &study.rows {
+        div.scroll {
+            table {
+                thead {
                     tr {
-                        th scope="row" { (text(row.feedback)) }
-                        td { (text(row.controller)) }
-                        @for number in numbers(row) { (number_cell(&number)) }
+                        th scope="col" { "feedback" }
+                        th scope="col" { "law" }
+                        @for column in COLUMNS { th.n scope="col" { (text(column)) } }
+                    }
+                }
+                tbody {
+                    @for row in &study.rows {
+                        tr {
+                            th scope="row" { (text(row.feedback)) }
+                            td { (text(row.controller)) }
+                            @for number in numbers(row) { (number_cell(&number)) }
+                        }
                     }
                 }
             }

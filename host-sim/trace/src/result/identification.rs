@@ -14,8 +14,8 @@ use crate::options::TraceOptions;
 use crate::search::ambiguity::Ambiguity;
 use files::log::Unit;
 use model::effects::Effect;
+use model::machine::Machine;
 use model::machine::evidence::{Certainty, Evidence};
-use model::machine::{Machine, rotary};
 
 /// The result of a trace: the effects that a machine shows in its logs and that its declared model lacks.
 #[derive(Clone, Debug)]
@@ -127,7 +127,7 @@ impl Identification {
     pub fn better_machine(&self) -> Machine {
         let is_in_degrees =
             |name: &str| self.axes.iter().any(|axis| axis.axis == name && axis.unit == Unit::Degree);
-        let names = rotary::named_as_logs(self.declared.machine.clone(), is_in_degrees);
+        let names = self.declared.machine.clone().named_as_logs(is_in_degrees);
         let models = self.axes.iter().map(|axis| (axis.axis.as_str(), &axis.model));
         let mut better = better_machine(&self.declared.machine, models);
         for (axis, named) in better.axis.values_mut().zip(names.axis.values()) {

@@ -68,8 +68,10 @@ impl Known {
             axis.sensors = Sensors::default();
             if !causes.contains(&Cause::Friction(index)) {
                 let mechanics = &mut axis.mechanics;
-                (mechanics.coulomb_n, mechanics.viscous_n_s_per_m, mechanics.motor_coulomb_n) =
-                    (0.0, 0.0, 0.0);
+                (mechanics.viscous_n_s_per_m, mechanics.motor_coulomb_n) = (0.0, 0.0);
+                // Bristles of no stiffness carry no force; their deflection is divided by the Coulomb friction.
+                (mechanics.presliding_n_per_m, mechanics.presliding_n_s_per_m) = (0.0, 0.0);
+                mechanics.coulomb_n = 1e-6;
             }
         }
         for (number, truth) in self.truths.iter().enumerate() {

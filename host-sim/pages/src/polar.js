@@ -1,0 +1,50 @@
+// A slider for the magnification of each circle, and the deviation under the pointer. What is drawn is in the SVG itself: the radius of a
+// point beyond that of the circle, in divisions of data-division µm. Without scripts, the pictures stay as they are.
+for (const svg of document.querySelectorAll("svg[data-division]")) {
+  const BASE = 80, DIVISION = 15, MIDDLE = 155, HALF_WIDTH_RAD = 0.03;
+  const division = Number(svg.dataset.division);
+  const lines = [...svg.querySelectorAll("polyline")].map((line) => ({
+    line,
+    points: line.getAttribute("points").trim().split(/\s+/).map((pair) => {
+      const [x, y] = pair.split(",").map(Number);
+      return { angle: Math.atan2(MIDDLE - y, x - MIDDLE), um: (Math.hypot(x - MIDDLE, y - MIDDLE) - BASE) * division / DIVISION };
+    }),
+  }));
+  const edges = [...svg.querySelectorAll(".edge")].map((label) => ({ label, um: Number(label.dataset.um) }));
+  const rounded = (um) => Number(um.toPrecision(3)).toString().replace("-", "−");
+
+  const slider = Object.assign(document.createElement("input"), { type: "range", min: -2, max: 3, step: 0.1, value: 0 });
+  slider.setAttribute("aria-label", "magnification");
+  const said = document.createElement("output");
+  const draw = () => {
+    const times = 2 ** slider.valueAsNumber;
+    for (const { line, points } of lines) {
+      line.setAttribute("points", points.map(({ angle, um }) => {
+        const radius = Math.max(BASE + DIVISION * times * um / division, 0);
+        return `${(MIDDLE + radius * Math.cos(angle)).toFixed(1)},${(MIDDLE - radius * Math.sin(angle)).toFixed(1)}`;
+      }).join(" "));
+    }
+    for (const { label, um } of edges) {
+      label.textContent = `${um > 0 ? "+" : ""}${rounded(um / times)}${um > 0 ? " µm" : ""}`;
+    }
+    said.textContent = `division ${rounded(division / times)} µm`;
+  };
+  slider.addEventListener("input", draw);
+  const controls = Object.assign(document.createElement("p"), { className: "magnification" });
+  controls.append("magnification ", slider, " ", said);
+  svg.after(controls);
+
+  svg.addEventListener("pointermove", (event) => {
+    const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+    const angle = Math.atan2(MIDDLE - at.y, at.x - MIDDLE);
+    const away = (point) => Math.abs(Math.atan2(Math.sin(point.angle - angle), Math.cos(point.angle - angle)));
+    const near = lines.flatMap(({ line, points }) => {
+      const best = points.reduce((best, point) => (away(point) < away(best) ? point : best), points[0]);
+      const name = { cw: "clockwise", ccw: "counter-clockwise" }[line.getAttribute("class")] ?? line.getAttribute("class");
+      return best && away(best) < HALF_WIDTH_RAD ? [`${name} ${rounded(best.um)} µm`] : [];
+    });
+    const degrees = ((angle * 180 / Math.PI) + 360) % 360;
+    said.textContent = [`${degrees.toFixed(1)}°`, ...near].join(", ");
+  });
+  svg.addEventListener("pointerleave", draw);
+}
