@@ -13,7 +13,7 @@ slope_um_per_m = 150.0
 name = "pitch_cyclic"
 amplitude_um = 8.0
 period_mm = 160.0
-phase_rad = 0.4
+phase_rad = 0.0
 """
 GAPS = """[[axis.x.effect]]
 name = "backlash"
@@ -65,15 +65,15 @@ TORQUE_LOOP = {"controller": "p", "position_gain_per_s": 50.0, "feedforward_perc
                "velocity_integral_time_s": 0.016}
 TORQUE_INI = {"P": 50.0, "FF1": 1.0, "FF2": 0.0, "VELOCITY_P": 60.0, "VELOCITY_I": 3750.0, "FORCE_FF1": 0.0, "FORCE_FF2": 0.0,
               "FRICTION": 0.0, "FRICTION_PER_MM": 0.0}
-VELOCITY_INI = {"P": 50.0, "FF1": 1.0, "FF2": 0.0}
+VELOCITY_INI = {"P": 50.0, "FF1": 1.0, "FF2": 0.0, "FRICTION": 0.0, "FRICTION_PER_MM": 0.0, "FRICTION_DECAY": 0.0}
 KNOWN_VELOCITY = {"drive": "velocity", "position_gain_per_s": 50.0, "feedforward_percent": 100.0}
 NOTHING = {"x": {}, "y": {}}
 TOLERANCE = {"plant_tolerance_percent": 10.0}
 
 
-def case(name, drive, ini, truth, known, effects, feedback="motor", has_init=False, ratio=4.0):
+def case(name, drive, ini, truth, known, effects, feedback="motor", has_init=False, ratio=4.0, p_share=1.0):
     return {"name": name, "drive": drive, "ini": ini, "truth": truth, "known": known, "effects": effects, "feedback": feedback,
-            "has_init": has_init, "ratio": ratio}
+            "has_init": has_init, "ratio": ratio, "p_share": p_share}
 
 
 CASES = [
@@ -88,9 +88,9 @@ CASES = [
     case("no feed-forward", "velocity-drives", VELOCITY_INI | {"FF1": 0.0},
          machine(QUICK, VELOCITY_LOOP, MASSES, VISCOUS, FRICTION), machine({}, KNOWN_VELOCITY | {"feedforward_percent": 0.0}),
          ["missing_feedforward"], has_init=True),
-    case("low gain", "velocity-drives", VELOCITY_INI | {"P": 35.0, "FF1": 0.6},
+    case("low gain", "velocity-drives", VELOCITY_INI | {"FF1": 0.6},
          machine(QUICK, VELOCITY_LOOP, MASSES, VISCOUS, FRICTION), machine({}, KNOWN_VELOCITY | {"feedforward_percent": 60.0}),
-         ["low_gain"]),
+         ["low_gain"], p_share=0.7),
     case("torque drives, friction", "torque-drives", TORQUE_INI, machine({}, TORQUE_LOOP | {"feedback": "motor"}, MASSES, VISCOUS, FRICTION),
          machine({}, TORQUE_LOOP | TOLERANCE | {"feedback": "motor"}, MASSES, VISCOUS), ["reversal_friction"], ratio=2.0),
     case("torque drives", "torque-drives", TORQUE_INI,

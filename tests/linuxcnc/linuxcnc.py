@@ -58,7 +58,8 @@ def ini_text(folder, case, lines):
     machine = ""
     if case["truth"] is not None:
         (folder / "truth.toml").write_text(case["truth"])
-        machine = f"FILE = {folder}/truth.toml\nCOMMAND = {COMMANDS[case['drive']]}\nFEEDBACK = {case['feedback']}\n"
+        machine = (f"FILE = {folder}/truth.toml\nCOMMAND = {COMMANDS[case['drive']]}\nFEEDBACK = {case['feedback']}\n"
+                   f"P_SHARE = {case['p_share']}\n")
     own = "".join(f"{key} = {value}\n" for key, value in case["ini"].items())
     text = text.replace("{machine}", machine)
     for joint in (0, 1):
@@ -91,14 +92,14 @@ def run_linuxcnc(folder, case, lines):
 
 def columns(case):
     """The columns of a log in the order of the sampler's pins, which are counted from 2."""
-    channels = ["command_mm", "motor_mm"] if case["truth"] is None else ["command_mm", "motor_mm", "table_mm", "tool_mm", "force_N"]
+    channels = ["command_mm", "motor_mm"] if case["truth"] is None else ["command_mm", "motor_mm", "table_mm", "tool_mm", "force_n"]
     return [f"{axis}_{channel}" for axis in ("x", "y") for channel in channels]
 
 
 def log(folder, name, case, seed):
     """A log of LinuxCNC as ours."""
     raw, path = folder / f"{name}.raw.csv", folder / f"{name}.csv"
-    lacks = {"steppers": ["motor_mm", "table_mm", "force_N"], "velocity-drives": ["force_N"]}.get(case["drive"], [])
+    lacks = {"steppers": ["motor_mm", "table_mm", "force_n"], "velocity-drives": ["force_n"]}.get(case["drive"], [])
     wanted = [(i, c) for i, c in enumerate(columns(case)) if not any(c.endswith(end) for end in lacks)]
     maps = [word for i, c in wanted for word in ("--map", f"{c}={i + 2}")]
     out = raw if case["truth"] is None else path

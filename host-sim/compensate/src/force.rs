@@ -8,6 +8,8 @@ use shared::compensate::settings::{
 use crate::cycles::{self, Wave};
 use crate::tables::points;
 use model::axis::Settings;
+use model::machine::Axis;
+use plant::equivalent;
 use plant::friction::SlidingState;
 use plant::parameters::AxisParameters;
 
@@ -49,6 +51,19 @@ pub fn model(
         load: load(parameters, travel_m),
         lag_s: lag_s(settings),
         share: 1.0,
+    })
+}
+
+/// The friction of a drive whose velocity is commanded, as a trace has fitted it, as that of the mass with which it is simulated. `None`:
+/// it has no friction, or masses of its own, which say nothing about the drive.
+#[must_use]
+pub fn of_velocity_drive(axis: &Axis) -> Option<ForceModel> {
+    let friction_m_per_s2 = axis.fitted_velocity_drive().friction_m_per_s2;
+    let is_known = friction_m_per_s2 > 0.0 && !axis.settings.has_mass();
+    is_known.then(|| ForceModel {
+        motor_coulomb_n: equivalent::MOTOR_KG * friction_m_per_s2,
+        lag_s: lag_s(&axis.settings),
+        ..ForceModel::default()
     })
 }
 

@@ -10,6 +10,7 @@ pub fn of(control: Control, axis: &AxisErrors<'_>) -> Vec<String> {
     let changed = &axis.compensation.controller;
     let has_table = settings.pitch.is_some() || !settings.screw.is_empty();
     let has_gains = changed.position_gain_per_s.is_some() || changed.feedforward_percent.is_some();
+    let is_linuxcnc = control == Control::Linuxcnc;
     let parts = [
         (
             has_table && axis.table.is_none() && axis.unresolved.is_none(),
@@ -39,17 +40,27 @@ pub fn of(control: Control, axis: &AxisErrors<'_>) -> Vec<String> {
             "the cogging compensation of the drive, where it has one",
         ),
         (
-            settings.force.as_ref().is_some_and(|force| force.share > 0.0),
+            settings.force.as_ref().is_some_and(|force| force.share > 0.0) && !is_linuxcnc,
             "force feed-forward",
             "the torque feed-forward and friction compensation of the drive",
         ),
         (
-            settings.stretch_m_per_n.is_some(),
+            settings.force.as_ref().is_some_and(|force| force.load.is_some()) && is_linuxcnc,
+            "the load over the position",
+            "add its mean to the bias of the force, or balance the weight",
+        ),
+        (
+            settings.stretch_m_per_n.is_some() && is_linuxcnc,
+            "the stretch of the drive under acceleration",
+            "lower the acceleration; the stretch under friction is in the backlash",
+        ),
+        (
+            settings.stretch_m_per_n.is_some() && !is_linuxcnc,
             "the stretch of the drive",
             "at reversals, its part by friction can be added to the backlash",
         ),
         (
-            has_gains && control != Control::Linuxcnc,
+            has_gains && !is_linuxcnc,
             "gains of the loop",
             "enter the changed gains, which the compensation file names, in the drive",
         ),

@@ -2,7 +2,7 @@
 //!
 //! With `COMP_FILE_TYPE = 1` a line is the nominal position and the trims of both directions, which are added to the command:
 //! motor-pos-cmd = pos-cmd + trim. At most 256 ascending lines. It takes the place of `BACKLASH`, of which half is added in the
-//! direction of motion.
+//! direction of motion. What the friction needs is in [`crate::linuxcnc_force`].
 
 use std::fmt::Write;
 
@@ -10,6 +10,7 @@ use model::axis::Drive;
 
 use crate::control::{ControlFile, Written};
 use crate::errors::AxisErrors;
+use crate::linuxcnc_force;
 
 /// The files.
 #[must_use]
@@ -17,7 +18,12 @@ pub fn write(axes: &[AxisErrors<'_>]) -> Written {
     let mut written = Written::default();
     let mut ini = String::new();
     for axis in axes {
-        let lines = ini_lines(axis);
+        let axis = &linuxcnc_force::with_stretch(axis);
+        let force = linuxcnc_force::lines(axis);
+        if !force.is_empty() {
+            written.remarks.push(format!("{}: {}", axis.axis, linuxcnc_force::WIRING));
+        }
+        let lines = ini_lines(axis) + &force;
         if !lines.is_empty() {
             let _ = write!(ini, "[JOINT_{}]\n# axis {}\n{lines}\n", axis.number, axis.axis);
         }
