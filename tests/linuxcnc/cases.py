@@ -64,7 +64,7 @@ QUICK = {"velocity_loop_rate_hz": 4000.0}
 TORQUE_LOOP = {"controller": "p", "position_gain_per_s": 50.0, "feedforward_percent": 100.0, "velocity_gain_n_s_per_m": 60000.0,
                "velocity_integral_time_s": 0.016}
 TORQUE_INI = {"P": 50.0, "FF1": 1.0, "FF2": 0.0, "VELOCITY_P": 60.0, "VELOCITY_I": 3750.0, "FORCE_FF1": 0.0, "FORCE_FF2": 0.0,
-              "FRICTION": 0.0, "FRICTION_PER_MM": 0.0}
+              "FRICTION": 0.0, "FRICTION_PER_MM": 0.0, "MOTOR_FRICTION": 0.0, "MOTOR_FRICTION_FF1": 0.0}
 VELOCITY_INI = {"P": 50.0, "FF1": 1.0, "FF2": 0.0, "FRICTION": 0.0, "FRICTION_PER_MM": 0.0, "FRICTION_DECAY": 0.0}
 KNOWN_VELOCITY = {"drive": "velocity", "position_gain_per_s": 50.0, "feedforward_percent": 100.0}
 NOTHING = {"x": {}, "y": {}}
@@ -92,7 +92,7 @@ CASES = [
          machine(QUICK, VELOCITY_LOOP, MASSES, VISCOUS, FRICTION), machine({}, KNOWN_VELOCITY | {"feedforward_percent": 60.0}),
          ["low_gain"], p_share=0.7),
     case("torque drives, friction", "torque-drives", TORQUE_INI, machine({}, TORQUE_LOOP | {"feedback": "motor"}, MASSES, VISCOUS, FRICTION),
-         machine({}, TORQUE_LOOP | TOLERANCE | {"feedback": "motor"}, MASSES, VISCOUS), ["reversal_friction"], ratio=2.0),
+         machine({}, TORQUE_LOOP | {"feedback": "motor"}, MASSES), ["reversal_friction"], has_init=True, ratio=2.0),
     case("torque drives", "torque-drives", TORQUE_INI,
          machine({}, TORQUE_LOOP | {"feedback": "motor"}, MASSES, VISCOUS, FRICTION, effects=PITCH + GAPS),
          machine({}, TORQUE_LOOP | {"feedback": "motor"}), ["pitch_map", "backlash", "reversal_friction"], has_init=True),

@@ -8,12 +8,13 @@ import time
 
 import linuxcnc
 
-# Name, start, blocks. The feed is in mm/min; each motion starts and ends at rest.
+# Name, approach, blocks. The feed is in mm/min; each motion starts and ends at rest. The circle is approached slowly, in the directions in which
+# its axes start: how friction and gap were left before is not part of it.
 MOTIONS = [
-    ("circle", "X40 Y0", ["G3 X40 Y0 I-40 J0 F3000", "G4 P0.2", "G2 X40 Y0 I-40 J0 F3000"]),
-    ("travel", "X0 Y0", ["G1 X45 Y30 F3600", "X-45 Y-20", "X-10 Y45", "X20 Y-45", "X0 Y0 F1800",
+    ("circle", ["G0 X42 Y-2", "G1 X40.1 Y-0.1 F300", "G1 X40 Y0 F20"], ["G3 X40 Y0 I-40 J0 F3000", "G4 P0.2", "G2 X40 Y0 I-40 J0 F3000"]),
+    ("travel", ["G0 X0 Y0"], ["G1 X45 Y30 F3600", "X-45 Y-20", "X-10 Y45", "X20 Y-45", "X0 Y0 F1800",
                          "X12 Y-8", "X-7 Y5", "X30 Y20", "X28 Y19", "X-30 Y-35 F2400", "X45 Y45", "X0 Y0"]),
-    ("square", "X-35 Y-35", ["G1 X35 Y-35 F2700", "X35 Y35", "X-35 Y35", "X-35 Y-35", "X35 Y-10", "X-35 Y-35"]),
+    ("square", ["G0 X-35 Y-35"], ["G1 X35 Y-35 F2700", "X35 Y35", "X-35 Y35", "X-35 Y-35", "X35 Y-10", "X-35 Y-35"]),
 ]
 
 command, status = linuxcnc.command(), linuxcnc.stat()
@@ -51,8 +52,9 @@ for _ in range(200):
 command.mode(linuxcnc.MODE_MDI)
 wait()
 mdi("G21 G90 G61.1")
-for name, start, blocks in MOTIONS:
-    mdi(f"G0 {start}")
+for name, approach, blocks in MOTIONS:
+    for block in approach:
+        mdi(block)
     time.sleep(0.5)
     with open(f"{name}.txt", "w") as log:
         sampler = subprocess.Popen(["halsampler", "-t"], stdout=log)

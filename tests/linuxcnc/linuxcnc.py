@@ -51,14 +51,15 @@ def lost_motion(*arguments):
 def ini_text(folder, case, lines):
     """The INI file. `lines` are those of each joint that take the place of the case's."""
     text = (HERE / "mill.ini").read_text()
-    files = ["loopback.hal"] if case["truth"] is None else ["machine.hal", f"{case['drive']}.hal", "sample.hal"]
+    loops = [] if case["drive"] == "steppers" else [f"{case['feedback']}.hal"]
+    files = ["machine.hal", f"{case['drive']}.hal", *loops, "sample.hal"] if case["truth"] else ["loopback.hal"]
     for name in files:
         shutil.copy(HERE / name, folder / name)
     text = text.replace("{hal}", "".join(f"HALFILE = {name}\n" for name in files))
     machine = ""
     if case["truth"] is not None:
         (folder / "truth.toml").write_text(case["truth"])
-        machine = (f"FILE = {folder}/truth.toml\nCOMMAND = {COMMANDS[case['drive']]}\nFEEDBACK = {case['feedback']}\n"
+        machine = (f"FILE = {folder}/truth.toml\nCOMMAND = {COMMANDS[case['drive']]}\n"
                    f"P_SHARE = {case['p_share']}\n")
     own = "".join(f"{key} = {value}\n" for key, value in case["ini"].items())
     text = text.replace("{machine}", machine)

@@ -86,7 +86,8 @@ impl Planning<'_> {
                 self.model.axis[*index].effect[*effect].compensation().description()
             }
             Part::Force(index) if self.model.axis[*index].settings.controller.drive == Drive::Velocity => {
-                "the velocity that friction takes from the drive after a reversal is added to its command".to_owned()
+                "the velocity that friction takes from the drive after a reversal is added to its command"
+                    .to_owned()
             }
             Part::Force(_) => {
                 "the force for the commanded acceleration, friction and load is added to the controller's"

@@ -6,7 +6,7 @@
 
 use std::fmt::Write;
 
-use model::axis::Drive;
+use model::axis::{Drive, Feedback};
 
 use crate::control::{ControlFile, Written};
 use crate::errors::AxisErrors;
@@ -21,7 +21,10 @@ pub fn write(axes: &[AxisErrors<'_>]) -> Written {
         let axis = &linuxcnc_force::with_stretch(axis);
         let force = linuxcnc_force::lines(axis);
         if !force.is_empty() {
-            written.remarks.push(format!("{}: {}", axis.axis, linuxcnc_force::WIRING));
+            written.remarks.push(format!("{}: {}.", axis.axis, linuxcnc_force::WIRING));
+        }
+        if axis.has_errors() && axis.declared.sensors.feedback != Feedback::Motor {
+            written.remarks.push(format!("{}: {}.", axis.axis, linuxcnc_force::ON_SCALE));
         }
         let lines = ini_lines(axis) + &force;
         if !lines.is_empty() {

@@ -129,8 +129,10 @@ fn forces_of_torque_drives_are_lines_for_linuxcnc() {
         "BACKLASH = 0.001800",
         "FORCE_FF1 = 1.000000",
         "FORCE_FF2 = 0.250000",
-        "FRICTION = 210.000000",
+        "FRICTION = 180.000000",
         "FRICTION_PER_MM = 222.222222",
+        "MOTOR_FRICTION = 30.000000",
+        "MOTOR_FRICTION_FF1 = 150.000000",
     ] {
         assert!(ini.lines().any(|found| found == line), "{line}: {ini}");
     }
@@ -150,7 +152,10 @@ fn the_friction_of_a_velocity_drive_is_a_velocity_for_linuxcnc() {
     let axis = [("x".to_owned(), x)].into_iter().collect();
     let file = CompensationFile { axis, ..CompensationFile::none(&machine) };
     let ini = self::file(&write(Control::Linuxcnc, &machine, &file), "joints.ini");
-    assert!(ini.contains("FRICTION = 4.000000\nFRICTION_PER_MM = 200.000000\nFRICTION_DECAY = 0.060587\n"), "{ini}");
+    assert!(
+        ini.contains("FRICTION = 4.000000\nFRICTION_PER_MM = 200.000000\nFRICTION_DECAY = 0.060587\n"),
+        "{ini}"
+    );
 }
 
 /// A positive value moves the axis in negative direction: it is the error. Half of the backlash on each side is MD32450.
