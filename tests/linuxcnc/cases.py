@@ -98,5 +98,6 @@ CASES = [
          machine({}, TORQUE_LOOP | {"feedback": "motor"}), ["pitch_map", "backlash", "reversal_friction"], has_init=True),
     case("torque drives on the scale", "torque-drives", TORQUE_INI,
          machine({}, TORQUE_LOOP | {"feedback": "table"}, MASSES, VISCOUS, FRICTION, effects=PITCH + GAPS),
-         machine({}, TORQUE_LOOP | {"feedback": "table"}, MASSES, VISCOUS, FRICTION), ["pitch_map", "backlash", "reversal_friction"], feedback="scale"),
+         machine({}, TORQUE_LOOP | {"feedback": "table"}, MASSES), ["pitch_map", "backlash", "reversal_friction"], feedback="scale",
+         has_init=True),
 ]

@@ -6,6 +6,7 @@ are those of cases.py. The last line is JSON: contour error before, predicted an
 """
 
 import csv
+import html
 import json
 import pathlib
 import random
@@ -137,9 +138,13 @@ def joint_lines(folder):
     return lines
 
 
+def folder_name(case_name):
+    return case_name.replace(",", "").replace(" ", "-")
+
+
 def run(case, number):
     """Before, remedy, after: the contour errors on the circle, µm rms."""
-    folder = FOLDER / case["name"].replace(" ", "-").replace(",", "")
+    folder = FOLDER / folder_name(case["name"])
     print(f"\n== {case['name']}\n", flush=True)
     run_linuxcnc(folder / "before", case, {})
     seed = 100 * number
@@ -167,9 +172,26 @@ def run(case, number):
             "contour_error_um": {key: errors[key]["rms"] for key in ("before", "predicted", "after")}}
 
 
+def page(results):
+    """A page with the figures of all cases; each links to the page of `verify` with its circles. The text for the terminal: its path."""
+    rows = ""
+    for result in results:
+        name, errors = html.escape(result["case"]), result["contour_error_um"]
+        cells = "".join(f"<td>{errors[key]:.2f}</td>" for key in ("before", "predicted", "after"))
+        link = html.escape(f"{folder_name(result['case'])}/report/report.html")
+        rows += f'<tr><td><a href="{link}">{name}</a></td><td>{html.escape(", ".join(result["effects"]))}</td>{cells}</tr>\n'
+    text = ('<!doctype html><html lang="en"><head><meta charset="utf-8"><title>LinuxCNC</title></head><body>\n<h1>Circles by LinuxCNC</h1>\n'
+            "<p>Contour error, µm rms. A case links to its circles.</p>\n<table>\n<tr><th>drives</th><th>errors</th><th>before</th>"
+            f"<th>predicted</th><th>after</th></tr>\n{rows}</table></body></html>\n")
+    path = FOLDER / "index.html"
+    path.write_text(text)
+    return f"\nCircles: {path}"
+
+
 def main():
     cases = [case for case in CASES if not WANTED or case["name"] in WANTED]
     results = [run(case, number) for number, case in enumerate(cases)]
+    print(page(results))
     print(json.dumps({"cases": results}))
     failed = []
     for case, result in zip(cases, results):
