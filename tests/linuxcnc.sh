@@ -35,4 +35,4 @@ library="$PWD/target/release/liblinuxcnc_machine.a"
     halcompile --install lost_motion.comp
 )
 
-python3 tests/linuxcnc/linuxcnc.py target/release/lost-motion "$folder" "$user"
+python3 -B tests/linuxcnc/linuxcnc.py target/release/lost-motion "$folder" "$user"

@@ -1,9 +1,32 @@
-"""The machines that LinuxCNC moves: their drives, errors, gains, and what is known of them.
+"""The machines that LinuxCNC moves: their drives, errors, gains, and what is known of them."""
 
-A case has: `drive`, a HAL file; `feedback`, what the loop is closed on; `ini`, lines of both joints; `truth`, the machine file of the
-simulated machine, or None: the motors follow their commands, and the screw is computed by the formulas of textbook.py; `known`, the machine
-file that the tracer gets; `has_init`: first through `init`; `ratio`, the least ratio of the contour errors before and after.
-"""
+import dataclasses
+
+
+@dataclasses.dataclass
+class Case:
+    """A machine, what the tracer knows of it, and what is expected."""
+
+    name: str
+    # HAL file of the drives, and of what their loops are closed on.
+    drive: str
+    # The machine file of the simulated machine; None: the motors follow their commands, and formulas of textbook.py are the screws.
+    truth: str | None
+    # The machine file that the tracer gets, first through `init` if so.
+    known: str
+    has_init: bool
+    # What `truth` has and `known` lacks.
+    effects: list
+    # Lines of both joints in the INI file.
+    ini: dict = dataclasses.field(default_factory=dict)
+    feedback: str = "motor"
+    # Least ratio of the contour errors before and after.
+    ratio: float = 4.0
+    # How much of P reaches the drives.
+    p_share: float = 1.0
+    # An earlier case of the same drives, closed on the motors: its model is compensated. On the scale, a loop does not show the friction.
+    model_of: str | None = None
+
 
 # Screws: a slope of 150 µm/m with a wave of 8 µm over 160 mm, and gaps.
 PITCH = """[[axis.x.effect]]
@@ -47,8 +70,8 @@ def lines(keys):
     return "".join(f"{key} = {value!r}\n".replace("'", '"') for key, value in keys.items())
 
 
-def rigid(coulomb_n):
-    """Motors of 1 kg with tables of 20 kg on stiff screws."""
+def small(coulomb_n):
+    """Small axes."""
     return {axis: {"motor_mass_kg": 5.0, "table_mass_kg": 20.0, "stiffness_n_per_um": 200.0, "damping_n_s_per_m": 20000.0,
                    "coulomb_n": coulomb_n, "viscous_n_s_per_m": 100.0, "presliding_stiffness_n_per_um": 10.0,
                    "presliding_damping_n_s_per_m": 500.0} for axis in ("x", "y")}
@@ -56,48 +79,49 @@ def rigid(coulomb_n):
 
 STEPPERS = machine({"velocity_loop_rate_hz": 20000.0},
                    {"controller": "p", "position_gain_per_s": 800.0, "feedforward_percent": 100.0,
-                    "velocity_gain_n_s_per_m": 40000.0, "feedback": "motor"}, rigid(30.0), effects=PITCH + GAPS)
-# A time constant of 4 ms.
+                    "velocity_gain_n_s_per_m": 40000.0, "feedback": "motor"}, small(30.0), effects=PITCH + GAPS)
+# Time constants of 4 ms.
 VELOCITY_LOOP = {"controller": "p", "position_gain_per_s": 50.0, "feedforward_percent": 100.0, "velocity_gain_n_s_per_m": 62500.0,
                  "velocity_integral_time_s": 0.016, "feedback": "motor"}
-QUICK = {"velocity_loop_rate_hz": 4000.0}
+# Of a torque drive, this is LinuxCNC's own: P and FF1 of the first pid, VELOCITY_P and VELOCITY_I of the second.
 TORQUE_LOOP = {"controller": "p", "position_gain_per_s": 50.0, "feedforward_percent": 100.0, "velocity_gain_n_s_per_m": 60000.0,
                "velocity_integral_time_s": 0.016}
+ON_MOTOR, ON_SCALE = ({"feedback": feedback} for feedback in ("motor", "table"))
+VELOCITY_INI = {"P": 50.0, "FF1": 1.0, "FF2": 0.0, "FRICTION": 0.0, "FRICTION_PER_MM": 0.0, "FRICTION_DECAY": 0.0}
 TORQUE_INI = {"P": 50.0, "FF1": 1.0, "FF2": 0.0, "VELOCITY_P": 60.0, "VELOCITY_I": 3750.0, "FORCE_FF1": 0.0, "FORCE_FF2": 0.0,
               "FRICTION": 0.0, "FRICTION_PER_MM": 0.0, "MOTOR_FRICTION": 0.0, "MOTOR_FRICTION_FF1": 0.0}
-VELOCITY_INI = {"P": 50.0, "FF1": 1.0, "FF2": 0.0, "FRICTION": 0.0, "FRICTION_PER_MM": 0.0, "FRICTION_DECAY": 0.0}
-KNOWN_VELOCITY = {"drive": "velocity", "position_gain_per_s": 50.0, "feedforward_percent": 100.0}
-NOTHING = {"x": {}, "y": {}}
-TOLERANCE = {"plant_tolerance_percent": 10.0}
 
 
-def case(name, drive, ini, truth, known, effects, feedback="motor", has_init=False, ratio=4.0, p_share=1.0):
-    return {"name": name, "drive": drive, "ini": ini, "truth": truth, "known": known, "effects": effects, "feedback": feedback,
-            "has_init": has_init, "ratio": ratio, "p_share": p_share}
+def velocity_drives(errors):
+    return machine({"velocity_loop_rate_hz": 4000.0}, VELOCITY_LOOP, MASSES, VISCOUS, FRICTION, effects=errors)
 
+
+def torque_drives(feedback, errors=""):
+    return machine({}, TORQUE_LOOP | feedback, MASSES, VISCOUS, FRICTION, effects=errors)
+
+
+def known_velocity(percent, **keys):
+    return machine({}, {"drive": "velocity", "position_gain_per_s": 50.0, "feedforward_percent": percent, **keys})
+
+
+KNOWN_STEPPERS = machine({}, {"drive": "stepper"})
+SCREWS = ["pitch_map", "backlash"]
+FRICTIONS = ["reversal_friction"]
 
 CASES = [
-    case("steppers by formulas", "loopback", {}, None, machine({}, {"drive": "stepper"}), ["pitch_map", "backlash"], has_init=True),
-    case("steppers", "steppers", {}, STEPPERS, machine({}, {"drive": "stepper"}), ["pitch_map", "backlash", "reversal_friction"]),
-    case("velocity drives", "velocity-drives", VELOCITY_INI,
-         machine(QUICK, VELOCITY_LOOP, MASSES, VISCOUS, FRICTION, effects=PITCH + GAPS), machine({}, KNOWN_VELOCITY),
-         ["pitch_map", "backlash", "reversal_friction"], has_init=True),
-    case("velocity drives on the scale", "velocity-drives", VELOCITY_INI,
-         machine(QUICK, VELOCITY_LOOP, MASSES, VISCOUS, FRICTION, effects=PITCH + GAPS),
-         machine({}, KNOWN_VELOCITY | {"feedback": "table"}), ["pitch_map", "backlash", "reversal_friction"], feedback="scale"),
-    case("no feed-forward", "velocity-drives", VELOCITY_INI | {"FF1": 0.0},
-         machine(QUICK, VELOCITY_LOOP, MASSES, VISCOUS, FRICTION), machine({}, KNOWN_VELOCITY | {"feedforward_percent": 0.0}),
-         ["missing_feedforward"], has_init=True),
-    case("low gain", "velocity-drives", VELOCITY_INI | {"FF1": 0.6},
-         machine(QUICK, VELOCITY_LOOP, MASSES, VISCOUS, FRICTION), machine({}, KNOWN_VELOCITY | {"feedforward_percent": 60.0}),
-         ["low_gain"], p_share=0.7),
-    case("torque drives, friction", "torque-drives", TORQUE_INI, machine({}, TORQUE_LOOP | {"feedback": "motor"}, MASSES, VISCOUS, FRICTION),
-         machine({}, TORQUE_LOOP | {"feedback": "motor"}, MASSES), ["reversal_friction"], has_init=True, ratio=2.0),
-    case("torque drives", "torque-drives", TORQUE_INI,
-         machine({}, TORQUE_LOOP | {"feedback": "motor"}, MASSES, VISCOUS, FRICTION, effects=PITCH + GAPS),
-         machine({}, TORQUE_LOOP | {"feedback": "motor"}), ["pitch_map", "backlash", "reversal_friction"], has_init=True),
-    case("torque drives on the scale", "torque-drives", TORQUE_INI,
-         machine({}, TORQUE_LOOP | {"feedback": "table"}, MASSES, VISCOUS, FRICTION, effects=PITCH + GAPS),
-         machine({}, TORQUE_LOOP | {"feedback": "table"}, MASSES), ["pitch_map", "backlash", "reversal_friction"], feedback="scale",
-         has_init=True),
+    Case("torque drives, friction", "torque-drives", torque_drives(ON_MOTOR), machine({}, TORQUE_LOOP | ON_MOTOR, MASSES), True,
+         FRICTIONS, TORQUE_INI, ratio=2.0),
+    Case("torque drives", "torque-drives", torque_drives(ON_MOTOR, PITCH + GAPS), machine({}, TORQUE_LOOP | ON_MOTOR), True,
+         SCREWS + FRICTIONS, TORQUE_INI),
+    Case("torque drives on the scale", "torque-drives", torque_drives(ON_SCALE, PITCH + GAPS),
+         machine({}, TORQUE_LOOP | ON_SCALE, MASSES), True, SCREWS + FRICTIONS, TORQUE_INI, "scale"),
+    Case("velocity drives", "velocity-drives", velocity_drives(PITCH + GAPS), known_velocity(100.0), True, SCREWS + FRICTIONS, VELOCITY_INI),
+    Case("velocity drives on the scale", "velocity-drives", velocity_drives(PITCH + GAPS), known_velocity(100.0, feedback="table"), False,
+         SCREWS + FRICTIONS, VELOCITY_INI, "scale", model_of="velocity drives"),
+    Case("velocity drives, no feed-forward", "velocity-drives", velocity_drives(""), known_velocity(0.0), True,
+         ["missing_feedforward"] + FRICTIONS, VELOCITY_INI | {"FF1": 0.0}),
+    Case("velocity drives, low gain", "velocity-drives", velocity_drives(""), known_velocity(60.0), False, ["low_gain"] + FRICTIONS,
+         VELOCITY_INI | {"FF1": 0.6}, p_share=0.7),
+    Case("steppers", "steppers", STEPPERS, KNOWN_STEPPERS, False, SCREWS + FRICTIONS),
+    Case("steppers by formulas", "loopback", None, KNOWN_STEPPERS, True, SCREWS),
 ]

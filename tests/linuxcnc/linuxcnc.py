@@ -22,6 +22,9 @@ PROGRAM, FOLDER = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
 USER = sys.argv[3] if len(sys.argv) > 3 else ""
 WANTED = sys.argv[4:]
 
+MOTIONS = ("circle", "travel", "square")
+
+# The circle of drive.py, for the prediction.
 CIRCLE = """name = "circle"
 feed_mm_per_min = 3000.0
 acceleration_m_per_s2 = 1.0
@@ -52,17 +55,17 @@ def lost_motion(*arguments):
 def ini_text(folder, case, lines):
     """The INI file. `lines` are those of each joint that take the place of the case's."""
     text = (HERE / "mill.ini").read_text()
-    loops = [] if case["drive"] == "steppers" else [f"{case['feedback']}.hal"]
-    files = ["machine.hal", f"{case['drive']}.hal", *loops, "sample.hal"] if case["truth"] else ["loopback.hal"]
+    loops = [] if case.drive == "steppers" else [f"{case.feedback}.hal"]
+    files = ["machine.hal", f"{case.drive}.hal", *loops, "sample.hal"] if case.truth else ["loopback.hal"]
     for name in files:
         shutil.copy(HERE / name, folder / name)
     text = text.replace("{hal}", "".join(f"HALFILE = {name}\n" for name in files))
     machine = ""
-    if case["truth"] is not None:
-        (folder / "truth.toml").write_text(case["truth"])
-        machine = (f"FILE = {folder}/truth.toml\nCOMMAND = {COMMANDS[case['drive']]}\n"
-                   f"P_SHARE = {case['p_share']}\n")
-    own = "".join(f"{key} = {value}\n" for key, value in case["ini"].items())
+    if case.truth is not None:
+        (folder / "truth.toml").write_text(case.truth)
+        machine = (f"FILE = {folder}/truth.toml\nCOMMAND = {COMMANDS[case.drive]}\n"
+                   f"P_SHARE = {case.p_share}\n")
+    own = "".join(f"{key} = {value}\n" for key, value in case.ini.items())
     text = text.replace("{machine}", machine)
     for joint in (0, 1):
         # The first line of a name is the one that LinuxCNC takes.
@@ -70,10 +73,10 @@ def ini_text(folder, case, lines):
     return text
 
 
-def run_linuxcnc(folder, case, lines):
-    """Moves all motions of drive.py."""
+def run_linuxcnc(folder, case, lines, motions):
+    """Moves motions of drive.py."""
     folder.mkdir(parents=True)
-    (folder / "mill.ini").write_text(ini_text(folder, case, lines))
+    (folder / "mill.ini").write_text(ini_text(folder, case, lines).replace("{motions}", " ".join(motions)))
     (folder / "tool.tbl").write_text("")
     shutil.copy(HERE / "drive.py", folder / "drive.py")
     (folder / "drive.py").chmod(0o755)
@@ -88,25 +91,25 @@ def run_linuxcnc(folder, case, lines):
     except subprocess.TimeoutExpired as late:
         sys.exit(f"linuxcnc in {folder}: not done within 300 s: {late.stdout} {late.stderr}")
     (folder / "linuxcnc.log").write_text(done.stdout + done.stderr)
-    if not (folder / "square.txt").exists():
+    if not (folder / f"{motions[-1]}.txt").exists():
         sys.exit(f"linuxcnc in {folder}: no logs: {done.stdout[-2000:]} {done.stderr[-2000:]}")
 
 
 def columns(case):
     """The columns of a log in the order of the sampler's pins, which are counted from 2."""
-    channels = ["command_mm", "motor_mm"] if case["truth"] is None else ["command_mm", "motor_mm", "table_mm", "tool_mm", "force_n"]
+    channels = ["command_mm", "motor_mm"] if case.truth is None else ["command_mm", "motor_mm", "table_mm", "tool_mm", "force_n"]
     return [f"{axis}_{channel}" for axis in ("x", "y") for channel in channels]
 
 
 def log(folder, name, case, seed):
     """A log of LinuxCNC as ours."""
     raw, path = folder / f"{name}.raw.csv", folder / f"{name}.csv"
-    lacks = {"steppers": ["motor_mm", "table_mm", "force_n"], "velocity-drives": ["force_n"]}.get(case["drive"], [])
+    lacks = {"steppers": ["motor_mm", "table_mm", "force_n"], "velocity-drives": ["force_n"]}.get(case.drive, [])
     wanted = [(i, c) for i, c in enumerate(columns(case)) if not any(c.endswith(end) for end in lacks)]
     maps = [word for i, c in wanted for word in ("--map", f"{c}={i + 2}")]
-    out = raw if case["truth"] is None else path
+    out = raw if case.truth is None else path
     lost_motion("import", folder / f"{name}.txt", "--out", out, "--rate", 1000, *maps)
-    if case["truth"] is None:
+    if case.truth is None:
         behind_formulas(raw, path, seed)
     return path
 
@@ -142,33 +145,48 @@ def folder_name(case_name):
     return case_name.replace(",", "").replace(" ", "-")
 
 
-def run(case, number):
-    """Before, remedy, after: the contour errors on the circle, µm rms."""
-    folder = FOLDER / folder_name(case["name"])
-    print(f"\n== {case['name']}\n", flush=True)
-    run_linuxcnc(folder / "before", case, {})
-    seed = 100 * number
-    before = {name: log(folder / "before", name, case, seed + i) for i, name in enumerate(("circle", "travel", "square"))}
-    known = folder / "known.toml"
-    known.write_text(case["known"])
-    (folder / "circle.toml").write_text(CIRCLE)
-    machine, better, file = folder / "machine.toml", folder / "better.toml", folder / "c.toml"
-    if case["has_init"]:
+def trace(case, known, before, outputs):
+    """From logs to a model: the machine file, the model and the JSON are the outputs."""
+    machine, better, result = outputs
+    if case.has_init:
         lost_motion("init", "--machine", known, "--log", before["circle"], "--log", before["travel"], "--out", machine)
     else:
-        machine = known
+        shutil.copy(known, machine)
     lost_motion("trace", "--machine", machine, "--fit", before["circle"], "--fit", before["travel"], "--validate",
-                before["square"], "--model", better, "--json", folder / "trace.json")
+                before["square"], "--model", better, "--json", result)
+
+
+def found(result):
+    """Names of the effects that a trace has found."""
+    return [effect["name"] for effect in json.loads(result.read_text())["effects"]] if result.exists() else []
+
+
+def run(case, number):
+    """Before, remedy, after: the contour errors on the circle, µm rms."""
+    folder = FOLDER / folder_name(case.name)
+    print(f"\n== {case.name}\n", flush=True)
+    run_linuxcnc(folder / "before", case, {}, MOTIONS)
+    seed = 100 * number
+    before = {name: log(folder / "before", name, case, seed + i) for i, name in enumerate(MOTIONS)}
+    known = folder / "known.toml"
+    known.write_text(case.known)
+    (folder / "circle.toml").write_text(CIRCLE)
+    machine, better, file = folder / "machine.toml", folder / "better.toml", folder / "c.toml"
+    if case.model_of:
+        machine = known
+        of_other = (FOLDER / folder_name(case.model_of) / "better.toml").read_text()
+        better.write_text(of_other.replace('feedback = "motor"', 'feedback = "table"'))
+    else:
+        trace(case, known, before, (machine, better, folder / "trace.json"))
     lost_motion("compensate", "--model", better, "--motion", folder / "circle.toml", "--out", file, "--json",
                 folder / "c.json", "--format", "linuxcnc", "--out-dir", folder / "remedy")
-    run_linuxcnc(folder / "after", case, joint_lines(folder / "remedy"))
+    run_linuxcnc(folder / "after", case, joint_lines(folder / "remedy"), ["circle"])
     after = log(folder / "after", "circle", case, seed + 50)
     lost_motion("verify", "--machine", machine, "--before", before["circle"], "--after", after, "--predicted", file,
                 "--json", folder / "verify.json", "--report", folder / "report")
     [motion] = json.loads((folder / "verify.json").read_text())["motions"]
     errors = motion["contour_error_um"]
-    found = [effect["name"] for effect in json.loads((folder / "trace.json").read_text())["effects"]]
-    return {"case": case["name"], "effects": case["effects"], "found": found,
+    return {"case": case.name, "effects": case.effects, "found": found(folder / "trace.json"),
             "contour_error_um": {key: errors[key]["rms"] for key in ("before", "predicted", "after")}}
 
 
@@ -189,15 +207,15 @@ def page(results):
 
 
 def main():
-    cases = [case for case in CASES if not WANTED or case["name"] in WANTED]
+    cases = [case for case in CASES if not WANTED or case.name in WANTED]
     results = [run(case, number) for number, case in enumerate(cases)]
     print(page(results))
     print(json.dumps({"cases": results}))
     failed = []
     for case, result in zip(cases, results):
         errors = result["contour_error_um"]
-        if errors["before"] < case["ratio"] * errors["after"]:
-            failed.append(f"{case['name']}: {errors['before']:.2f} to {errors['after']:.2f} µm")
+        if errors["before"] < case.ratio * errors["after"]:
+            failed.append(f"{case.name}: {errors['before']:.2f} to {errors['after']:.2f} µm")
     if failed:
         sys.exit("the contour error did not fall as expected: " + "; ".join(failed))
 

@@ -114,3 +114,26 @@ pub fn ripple(parameters: &AxisParameters) -> (Vec<Cycle, CYCLES>, usize) {
     });
     cycles::tables(waves.collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model::machine::Machine;
+
+    fn axis(keys: &str) -> Axis {
+        let text = format!(
+            "name = \"m\"\nsample_rate_hz = 1000.0\n[axis.x]\ndrive = \"velocity\"\nposition_gain_per_s = 50.0\n\
+             feedforward_percent = 60.0\n{keys}[axis.x.log_offsets]\nvelocity_friction_m_per_s2 = 0.9\n"
+        );
+        Machine::parse(&text, "m.toml").unwrap().axis["x"].clone()
+    }
+
+    /// 0.9 m/s² on the 1000 kg of the simulation; 40 % of the velocity without feed-forward over 50 1/s are 8 ms.
+    #[test]
+    fn the_friction_of_a_velocity_drive_is_that_of_the_simulated_mass() {
+        let force = of_velocity_drive(&axis("")).unwrap();
+        assert!((force.motor_coulomb_n - 900.0).abs() < 1e-9 && (force.lag_s - 8e-3).abs() < 1e-12);
+        assert!(force.table_mass_kg.abs() + force.motor_mass_kg.abs() < 1e-12, "the drive has its own");
+        assert!(of_velocity_drive(&axis("table_mass_kg = 100.0\n")).is_none());
+    }
+}

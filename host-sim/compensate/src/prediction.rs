@@ -10,7 +10,7 @@ use contour::{ContourError, LoggedMotion};
 use files::error::InputError;
 use files::log::Log;
 use model::machine::Machine;
-use motion::Motion;
+use motion::{Block, Motion};
 use plant::equivalent;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
@@ -27,6 +27,8 @@ pub struct TestMotion {
     pub source: String,
     /// Start, s.
     pub start_s: f64,
+    /// Time at rest before it with the compensation on, s, which is no part of its log: another control compensates since its homing.
+    pub settle_s: f64,
 }
 
 /// Why a motion cannot be simulated.
@@ -92,7 +94,11 @@ pub fn log_of_plant<P: Plant>(
     let machine = file.applied_to(machine);
     let (machine, _) = equivalent::of(&machine);
     let machine = machine.as_ref();
-    let path = MachinePath::new(&test.motion, machine, &test.source)?;
+    let mut motion = test.motion.clone();
+    if test.settle_s > 0.0 {
+        motion.blocks.insert(0, Block::Dwell { seconds: test.settle_s });
+    }
+    let path = MachinePath::new(&motion, machine, &test.source)?;
     let failed = |error| PredictionError::Simulation { motion: test.source.clone(), error };
     let mut controller = controller_host.controller(machine, &path.start_m).map_err(failed)?;
     file.set(machine, controller.as_mut())?;
@@ -100,7 +106,9 @@ pub fn log_of_plant<P: Plant>(
     let closed_loop = ClosedLoop { machine, blocks: &path.blocks, start_s: test.start_s };
     let mut log = closed_loop.log(&mut plant, controller.as_mut(), |_, _, _| {}).map_err(failed)?;
     log.source.clone_from(&test.motion.name);
-    Ok(log)
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousands of samples")]
+    let settled = (test.settle_s / log.sample_time_s).round() as usize;
+    Ok(if settled > 0 { log.slice(settled.min(log.len())..log.len()) } else { log })
 }
 
 /// Contour error of a machine on each motion with a compensation.
