@@ -12,7 +12,7 @@ option singleton yes;
 option extra_setup yes;
 option extra_cleanup yes;
 function _;
-license "GPL";
+license "Dual MIT/GPL";
 author "Lost Motion";
 ;;
 #include <stdbool.h>

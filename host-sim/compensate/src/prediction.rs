@@ -180,3 +180,38 @@ pub fn predictions(
     };
     tests.par_iter().map(one).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::file::AxisCompensation;
+    use crate::servo::ControllerChange;
+    use shared::compensate::CompensationSettings;
+    use shared::compensate::settings::{Pitch, PitchSource, Points};
+
+    /// The table is 20 µm too far everywhere. At the start of a motion the correction has just been switched on, or it has been there for
+    /// a second; the log begins with the motion.
+    #[test]
+    fn a_control_that_has_compensated_before_starts_where_it_should() {
+        let text = "name = \"m\"\nsample_rate_hz = 1000.0\n[axis.x]\ndrive = \"velocity\"\nposition_gain_per_s = 50.0\n";
+        let machine = Machine::parse(text, "m.toml").unwrap();
+        let motion = "name = \"line\"\nfeed_mm_per_min = 600.0\nacceleration_m_per_s2 = 0.5\nstart_mm = { x = 0.0 }\n\
+                      [[block]]\nline_to_mm = { x = 2.0 }\n";
+        let forward = Points { start_m: -0.1, spacing_m: 0.2, values: [20e-6; 2].into_iter().collect() };
+        let pitch = Some(Pitch { of: PitchSource::Screw, forward, backward: None });
+        let compensation = CompensationSettings { pitch, ..CompensationSettings::default() };
+        let x = AxisCompensation { mapped_mm: None, controller: ControllerChange::default(), compensation };
+        let axis = [("x".to_owned(), x)].into_iter().collect();
+        let file = CompensationFile { axis, ..CompensationFile::none(&machine) };
+        let logged = |settle_s| {
+            let motion = Motion::parse(motion, "line.toml").unwrap();
+            let test = TestMotion { motion, source: "line.toml".to_owned(), start_s: 0.0, settle_s };
+            log(&machine, &file, &test, (Instruments::default(), ControllerHost::Host)).unwrap()
+        };
+        let (at_once, settled) = (logged(0.0), logged(1.0));
+        assert!(at_once.len().abs_diff(settled.len()) <= 1, "{} {}", at_once.len(), settled.len());
+        let first_um = |log: &Log| 1e3 * log.axes[0].motor.as_ref().unwrap()[0];
+        assert!(first_um(&at_once).abs() < 1.0, "{}", first_um(&at_once));
+        assert!((first_um(&settled) + 20.0).abs() < 1.0, "{}", first_um(&settled));
+    }
+}
