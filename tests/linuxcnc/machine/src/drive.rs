@@ -77,7 +77,7 @@ impl Drive {
         })
     }
 
-    /// The force over a tick, N. `share` of the servo period, 0 to 1, will have passed at its end.
+    /// The force over a tick, N. `share` of the servo period, 0 to 1, has passed at its start, when the motor was read.
     pub fn force_n(&mut self, command: f64, [share, period_s]: [f64; 2], motor: Position) -> f64 {
         let velocity_m_per_s = match self.command {
             Command::Force => return command.clamp(-self.force_limit_n, self.force_limit_n),

@@ -93,7 +93,7 @@ impl SimulatedMachine {
     pub fn step(&mut self, pins: &mut [AxisPins; AXES]) -> bool {
         let unit = self.command.unit();
         let before: [Position; AXES] = std::array::from_fn(|i| self.readings[i].motor);
-        for tick in 1..=self.ticks {
+        for tick in 0..self.ticks {
             let timing = [f64::from(tick) / f64::from(self.ticks), self.period_s];
             for (i, drive) in self.drives.iter_mut().enumerate() {
                 self.forces_n[i] = drive.force_n(unit * pins[i].command, timing, self.readings[i].motor);
