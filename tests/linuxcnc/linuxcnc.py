@@ -40,7 +40,7 @@ arc = { plane = ["x", "y"], centre_mm = { x = 0.0, y = 0.0 }, turns = -1.0 }
 # Key of the shared memory of sampler.0.
 SAMPLER_KEY = "0x48534130"
 
-# HAL's `kind of command` of each drive.
+# What is commanded, of each HAL file of drives.
 COMMANDS = {"steppers": "position", "velocity-drives": "velocity", "torque-drives": "force"}
 
 
