@@ -56,7 +56,7 @@ pub fn standard(axes: &[Travel]) -> Vec<TestMotion> {
     let motions: Vec<Motion> = in_plane.chain([travel(axes)]).collect();
     motions
         .into_iter()
-        .map(|motion| TestMotion { source: motion.name.clone(), motion, start_s: 0.0 })
+        .map(|motion| TestMotion { source: motion.name.clone(), motion, start_s: 0.0, settle_s: 0.0 })
         .collect()
 }
 

@@ -8,6 +8,8 @@ use shared::compensate::settings::{
 use crate::cycles::{self, Wave};
 use crate::tables::points;
 use model::axis::Settings;
+use model::machine::Axis;
+use plant::equivalent;
 use plant::friction::SlidingState;
 use plant::parameters::AxisParameters;
 
@@ -49,6 +51,19 @@ pub fn model(
         load: load(parameters, travel_m),
         lag_s: lag_s(settings),
         share: 1.0,
+    })
+}
+
+/// The friction of a drive whose velocity is commanded, as a trace has fitted it, as that of the mass with which it is simulated. `None`:
+/// it has no friction, or masses of its own, which say nothing about the drive.
+#[must_use]
+pub fn of_velocity_drive(axis: &Axis) -> Option<ForceModel> {
+    let friction_m_per_s2 = axis.fitted_velocity_drive().friction_m_per_s2;
+    let is_known = friction_m_per_s2 > 0.0 && !axis.settings.has_mass();
+    is_known.then(|| ForceModel {
+        motor_coulomb_n: equivalent::MOTOR_KG * friction_m_per_s2,
+        lag_s: lag_s(&axis.settings),
+        ..ForceModel::default()
     })
 }
 
@@ -98,4 +113,27 @@ pub fn ripple(parameters: &AxisParameters) -> (Vec<Cycle, CYCLES>, usize) {
         value: Box::new(|position_m| ripple.force_n(position_m)),
     });
     cycles::tables(waves.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model::machine::Machine;
+
+    fn axis(keys: &str) -> Axis {
+        let text = format!(
+            "name = \"m\"\nsample_rate_hz = 1000.0\n[axis.x]\ndrive = \"velocity\"\nposition_gain_per_s = 50.0\n\
+             feedforward_percent = 60.0\n{keys}[axis.x.log_offsets]\nvelocity_friction_m_per_s2 = 0.9\n"
+        );
+        Machine::parse(&text, "m.toml").unwrap().axis["x"].clone()
+    }
+
+    /// 0.9 m/s² on the 1000 kg of the simulation; 40 % of the velocity without feed-forward over 50 1/s are 8 ms.
+    #[test]
+    fn the_friction_of_a_velocity_drive_is_that_of_the_simulated_mass() {
+        let force = of_velocity_drive(&axis("")).unwrap();
+        assert!((force.motor_coulomb_n - 900.0).abs() < 1e-9 && (force.lag_s - 8e-3).abs() < 1e-12);
+        assert!(force.table_mass_kg.abs() + force.motor_mass_kg.abs() < 1e-12, "the drive has its own");
+        assert!(of_velocity_drive(&axis("table_mass_kg = 100.0\n")).is_none());
+    }
 }

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::choice::{Choice, Part, Strength};
 use crate::planning::Planning;
+use model::axis::Drive;
 use model::effects::EffectCompensation;
 
 /// Why a part has no setting, and what to do instead.
@@ -66,7 +67,11 @@ impl Planning<'_> {
             Part::Effect(index, effect) => {
                 (self.model.axis[index].effect[effect].name().to_owned(), axis(index))
             }
-            Part::Force(index) => ("force_feedforward".to_owned(), axis(index)),
+            Part::Force(index) => {
+                let is_velocity = self.model.axis[index].settings.controller.drive == Drive::Velocity;
+                let name = if is_velocity { "friction_feedforward" } else { "force_feedforward" };
+                (name.to_owned(), axis(index))
+            }
             Part::Stretch(index) => ("stretch".to_owned(), axis(index)),
             Part::Feedforward => ("velocity_feedforward".to_owned(), String::new()),
             Part::Law => ("control_law".to_owned(), String::new()),
@@ -79,6 +84,10 @@ impl Planning<'_> {
         let does = match part {
             Part::Effect(index, effect) => {
                 self.model.axis[*index].effect[*effect].compensation().description()
+            }
+            Part::Force(index) if self.model.axis[*index].settings.controller.drive == Drive::Velocity => {
+                "the velocity that friction takes from the drive after a reversal is added to its command"
+                    .to_owned()
             }
             Part::Force(_) => {
                 "the force for the commanded acceleration, friction and load is added to the controller's"

@@ -198,9 +198,16 @@ impl Planning<'_> {
             let is_compensated = |(_, effect): &(usize, &Effect)| effect.compensation().is_compensated();
             let effects = axis.effect.iter().enumerate().filter(is_compensated);
             parts.extend(effects.map(|(effect, _)| Part::Effect(index, effect)));
-            if axis.settings.has_mass() && axis.settings.controller.drive == Drive::Torque {
-                parts.push(Part::Force(index));
-                parts.extend((!axis.settings.is_rigid()).then_some(Part::Stretch(index)));
+            let has_mass = axis.settings.has_mass();
+            match axis.settings.controller.drive {
+                Drive::Torque if has_mass => {
+                    parts.push(Part::Force(index));
+                    parts.extend((!axis.settings.is_rigid()).then_some(Part::Stretch(index)));
+                }
+                Drive::Velocity if force::of_velocity_drive(axis).is_some() => {
+                    parts.push(Part::Force(index));
+                }
+                _ => {}
             }
         }
         let is_below = |percent: Option<f64>| percent.is_none_or(|percent| percent < 100.0);
@@ -275,7 +282,11 @@ impl Planning<'_> {
         controller.law = (is_hpc && choice.has(&Part::Law)).then_some(Law::P);
         let (mut compensation, _) = tables::of_axis(&parameters, &names, travel_m, self.set_at_s);
         (compensation.ripple, _) = force::ripple(&parameters);
-        let force = force::model(&parameters, &axis.settings, travel_m, self.set_at_s);
+        let force = match axis.settings.controller.drive {
+            Drive::Torque => force::model(&parameters, &axis.settings, travel_m, self.set_at_s),
+            Drive::Velocity => force::of_velocity_drive(&axis),
+            Drive::Stepper => None,
+        };
         let has_force = choice.has(&Part::Force(index));
         let has_stretch = choice.has(&Part::Stretch(index));
         if let Some(model) = force.filter(|_| has_force || has_stretch) {

@@ -10,7 +10,7 @@ use contour::{ContourError, LoggedMotion};
 use files::error::InputError;
 use files::log::Log;
 use model::machine::Machine;
-use motion::Motion;
+use motion::{Block, Motion};
 use plant::equivalent;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
@@ -27,6 +27,8 @@ pub struct TestMotion {
     pub source: String,
     /// Start, s.
     pub start_s: f64,
+    /// Time at rest before it with the compensation on, s, which is no part of its log: another control compensates since its homing.
+    pub settle_s: f64,
 }
 
 /// Why a motion cannot be simulated.
@@ -92,7 +94,11 @@ pub fn log_of_plant<P: Plant>(
     let machine = file.applied_to(machine);
     let (machine, _) = equivalent::of(&machine);
     let machine = machine.as_ref();
-    let path = MachinePath::new(&test.motion, machine, &test.source)?;
+    let mut motion = test.motion.clone();
+    if test.settle_s > 0.0 {
+        motion.blocks.insert(0, Block::Dwell { seconds: test.settle_s });
+    }
+    let path = MachinePath::new(&motion, machine, &test.source)?;
     let failed = |error| PredictionError::Simulation { motion: test.source.clone(), error };
     let mut controller = controller_host.controller(machine, &path.start_m).map_err(failed)?;
     file.set(machine, controller.as_mut())?;
@@ -100,7 +106,9 @@ pub fn log_of_plant<P: Plant>(
     let closed_loop = ClosedLoop { machine, blocks: &path.blocks, start_s: test.start_s };
     let mut log = closed_loop.log(&mut plant, controller.as_mut(), |_, _, _| {}).map_err(failed)?;
     log.source.clone_from(&test.motion.name);
-    Ok(log)
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousands of samples")]
+    let settled = (test.settle_s / log.sample_time_s).round() as usize;
+    Ok(if settled > 0 { log.slice(settled.min(log.len())..log.len()) } else { log })
 }
 
 /// Contour error of a machine on each motion with a compensation.
@@ -171,4 +179,39 @@ pub fn predictions(
         Ok(Prediction::new(&test.motion.name, [&before, &after], &Commanded::of(&motion)))
     };
     tests.par_iter().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::file::AxisCompensation;
+    use crate::servo::ControllerChange;
+    use shared::compensate::CompensationSettings;
+    use shared::compensate::settings::{Pitch, PitchSource, Points};
+
+    /// The table is 20 µm too far everywhere. At the start of a motion the correction has just been switched on, or it has been there for
+    /// a second; the log begins with the motion.
+    #[test]
+    fn a_control_that_has_compensated_before_starts_where_it_should() {
+        let text = "name = \"m\"\nsample_rate_hz = 1000.0\n[axis.x]\ndrive = \"velocity\"\nposition_gain_per_s = 50.0\n";
+        let machine = Machine::parse(text, "m.toml").unwrap();
+        let motion = "name = \"line\"\nfeed_mm_per_min = 600.0\nacceleration_m_per_s2 = 0.5\nstart_mm = { x = 0.0 }\n\
+                      [[block]]\nline_to_mm = { x = 2.0 }\n";
+        let forward = Points { start_m: -0.1, spacing_m: 0.2, values: [20e-6; 2].into_iter().collect() };
+        let pitch = Some(Pitch { of: PitchSource::Screw, forward, backward: None });
+        let compensation = CompensationSettings { pitch, ..CompensationSettings::default() };
+        let x = AxisCompensation { mapped_mm: None, controller: ControllerChange::default(), compensation };
+        let axis = [("x".to_owned(), x)].into_iter().collect();
+        let file = CompensationFile { axis, ..CompensationFile::none(&machine) };
+        let logged = |settle_s| {
+            let motion = Motion::parse(motion, "line.toml").unwrap();
+            let test = TestMotion { motion, source: "line.toml".to_owned(), start_s: 0.0, settle_s };
+            log(&machine, &file, &test, (Instruments::default(), ControllerHost::Host)).unwrap()
+        };
+        let (at_once, settled) = (logged(0.0), logged(1.0));
+        assert!(at_once.len().abs_diff(settled.len()) <= 1, "{} {}", at_once.len(), settled.len());
+        let first_um = |log: &Log| 1e3 * log.axes[0].motor.as_ref().unwrap()[0];
+        assert!(first_um(&at_once).abs() < 1.0, "{}", first_um(&at_once));
+        assert!((first_um(&settled) + 20.0).abs() < 1.0, "{}", first_um(&settled));
+    }
 }

@@ -54,7 +54,9 @@ pub fn all(machine: &Machine, tests: &[TestMotion], start_s: f64) -> Result<Vec<
     let builder = Builder { axes, fastest_mm_per_s: fastest.fold(f64::INFINITY, f64::min) };
     let motions =
         [builder.reversals(), builder.steps(), builder.creeping()].into_iter().chain(builder.circle());
-    Ok(motions.map(|motion| TestMotion { source: motion.name.clone(), motion, start_s }).collect())
+    Ok(motions
+        .map(|motion| TestMotion { source: motion.name.clone(), motion, start_s, settle_s: 0.0 })
+        .collect())
 }
 
 /// Axes with their travel, mm, and the fastest feed.
@@ -169,6 +171,7 @@ mod tests {
             motion: Motion::parse(circle, "circle").unwrap(),
             source: "circle".to_owned(),
             start_s: 0.0,
+            settle_s: 0.0,
         };
         let motions = all(&machine, &[test], 5.0).unwrap();
         let names: Vec<&str> = motions.iter().map(|test| test.motion.name.as_str()).collect();

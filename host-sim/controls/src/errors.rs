@@ -3,7 +3,8 @@
 use compensate::CompensationFile;
 use compensate::file::AxisCompensation;
 use model::axis::Settings;
-use model::machine::Machine;
+use model::machine::{Axis, Machine};
+use model::servo::VelocityDrive;
 use shared::compensate::CompensationSettings;
 use shared::compensate::settings::{Cycle, POINTS, PitchSource, Points};
 
@@ -19,6 +20,10 @@ pub struct AxisErrors<'a> {
     pub number: usize,
     /// Settings as declared, with which the gains of the compensation are compared.
     pub declared: &'a Settings,
+    /// A drive whose velocity is commanded, as a trace has fitted it.
+    pub fitted: VelocityDrive,
+    /// Period of the position loop, s.
+    pub period_s: f64,
     /// What the compensation does.
     pub compensation: &'a AxisCompensation,
     /// Errors over the position; `None`: there are none.
@@ -48,14 +53,15 @@ impl<'a> AxisErrors<'a> {
     pub fn all(machine: &'a Machine, file: &'a CompensationFile, most_points: usize) -> Vec<Self> {
         let of_axis = |(name, compensation): (&'a String, &'a AxisCompensation)| {
             let (number, _, axis) = machine.axis.get_full(name)?;
-            Some(Self::of((name, number), &axis.settings, compensation, most_points))
+            let period_s = 1.0 / machine.sample_rate_hz;
+            Some(Self::of((name, number), (axis, period_s), compensation, most_points))
         };
         file.axis.iter().filter_map(of_axis).collect()
     }
 
     fn of(
         (axis, number): (&'a str, usize),
-        declared: &'a Settings,
+        (declared, period_s): (&'a Axis, f64),
         compensation: &'a AxisCompensation,
         most_points: usize,
     ) -> Self {
@@ -70,7 +76,17 @@ impl<'a> AxisErrors<'a> {
             }
         };
         let backlash_um = 1e6 * settings.backlash_width_m.unwrap_or(0.0);
-        Self { axis, number, declared, compensation, table, backlash_um, unresolved }
+        Self {
+            axis,
+            number,
+            declared: &declared.settings,
+            fitted: declared.fitted_velocity_drive(),
+            period_s,
+            compensation,
+            table,
+            backlash_um,
+            unresolved,
+        }
     }
 
     /// Name of the axis as most controls write it.

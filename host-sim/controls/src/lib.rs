@@ -3,6 +3,7 @@
 //! - [`control`]: the controls, and a file for one
 //! - [`errors`]: what an axis does beside its command, as a table over the position and a backlash
 //! - [`linuxcnc`], [`siemens`], [`heidenhain`], [`fanuc`], [`beckhoff`]: tables of these controls
+//! - [`linuxcnc_force`]: friction and masses for LinuxCNC
 //! - [`backlash_only`]: grblHAL and Marlin, which have no tables
 //! - [`table`]: the errors as CSV
 //! - [`left_out`]: what none of them takes, and what to do instead
@@ -18,6 +19,7 @@ pub mod fanuc;
 pub mod heidenhain;
 pub mod left_out;
 pub mod linuxcnc;
+pub mod linuxcnc_force;
 pub mod siemens;
 pub mod table;
 

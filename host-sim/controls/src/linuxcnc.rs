@@ -2,14 +2,15 @@
 //!
 //! With `COMP_FILE_TYPE = 1` a line is the nominal position and the trims of both directions, which are added to the command:
 //! motor-pos-cmd = pos-cmd + trim. At most 256 ascending lines. It takes the place of `BACKLASH`, of which half is added in the
-//! direction of motion.
+//! direction of motion. What the friction needs is in [`crate::linuxcnc_force`].
 
 use std::fmt::Write;
 
-use model::axis::Drive;
+use model::axis::{Drive, Feedback};
 
 use crate::control::{ControlFile, Written};
 use crate::errors::AxisErrors;
+use crate::linuxcnc_force;
 
 /// The files.
 #[must_use]
@@ -17,7 +18,15 @@ pub fn write(axes: &[AxisErrors<'_>]) -> Written {
     let mut written = Written::default();
     let mut ini = String::new();
     for axis in axes {
-        let lines = ini_lines(axis);
+        let axis = &linuxcnc_force::with_stretch(axis);
+        let force = linuxcnc_force::lines(axis);
+        if !force.is_empty() {
+            written.remarks.push(format!("{}: {}.", axis.axis, linuxcnc_force::WIRING));
+        }
+        if axis.has_errors() && axis.declared.sensors.feedback != Feedback::Motor {
+            written.remarks.push(format!("{}: {}.", axis.axis, linuxcnc_force::ON_SCALE));
+        }
+        let lines = ini_lines(axis) + &force;
         if !lines.is_empty() {
             let _ = write!(ini, "[JOINT_{}]\n# axis {}\n{lines}\n", axis.number, axis.axis);
         }

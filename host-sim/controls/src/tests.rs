@@ -5,7 +5,7 @@ use compensate::file::AxisCompensation;
 use compensate::servo::ControllerChange;
 use model::machine::Machine;
 use shared::compensate::CompensationSettings;
-use shared::compensate::settings::{Cycle, Pitch, PitchSource, Points};
+use shared::compensate::settings::{Cycle, ForceModel, Pitch, PitchSource, Points, TableFriction};
 
 use crate::{Control, ControlFile, Written, write};
 
@@ -95,6 +95,67 @@ fn a_comp_file_takes_the_error_back() {
     assert!(section("JOINT_0").contains("FF2 = 0.001960\n"));
     assert!(section("JOINT_1").contains("BACKLASH = 0.009000\n") && !section("JOINT_1").contains("FF1"));
     assert!(written.remarks.iter().any(|remark| remark.contains("squareness") && remark.contains("HAL")));
+}
+
+/// Torque drives with friction, masses and stretch: N, mm and s; the stretch under 180 N with 200 N/µm is 0.9 µm in either direction.
+#[test]
+fn forces_of_torque_drives_are_lines_for_linuxcnc() {
+    let text = "name = \"mill\"\nsample_rate_hz = 1000.0\n[axis.x]\nposition_gain_per_s = 50.0\n";
+    let machine = Machine::parse(text, "mill.toml").unwrap();
+    let friction = TableFriction {
+        coulomb_n: 180.0,
+        viscous_n_s_per_m: 1000.0,
+        presliding_stiffness_n_per_m: Some(4e7),
+        ..TableFriction::default()
+    };
+    let force = ForceModel {
+        motor_mass_kg: 90.0,
+        table_mass_kg: 160.0,
+        motor_coulomb_n: 30.0,
+        friction,
+        ..ForceModel::default()
+    };
+    let compensation = CompensationSettings {
+        force: Some(force),
+        stretch_m_per_n: Some(1.0 / 200e6),
+        ..CompensationSettings::default()
+    };
+    let x = AxisCompensation { mapped_mm: None, controller: ControllerChange::default(), compensation };
+    let axis = [("x".to_owned(), x)].into_iter().collect();
+    let file = CompensationFile { axis, ..CompensationFile::none(&machine) };
+    let written = write(Control::Linuxcnc, &machine, &file);
+    let ini = self::file(&written, "joints.ini");
+    for line in [
+        "BACKLASH = 0.001800",
+        "FORCE_FF1 = 1.000000",
+        "FORCE_FF2 = 0.250000",
+        "FRICTION = 180.000000",
+        "FRICTION_PER_MM = 222.222222",
+        "MOTOR_FRICTION = 30.000000",
+        "MOTOR_FRICTION_FF1 = 150.000000",
+    ] {
+        assert!(ini.lines().any(|found| found == line), "{line}: {ini}");
+    }
+    assert!(written.remarks.iter().any(|remark| remark.contains("HAL file")), "{:?}", written.remarks);
+}
+
+/// A drive with a time constant of 4 ms needs 4 mm/s more for a friction of 1 m/s²; an integral part of 16 ms makes up for 6 % of it in
+/// each millisecond.
+#[test]
+fn the_friction_of_a_velocity_drive_is_a_velocity_for_linuxcnc() {
+    let text = "name = \"mill\"\nsample_rate_hz = 1000.0\n[axis.x]\ndrive = \"velocity\"\nposition_gain_per_s = 50.0\n\
+                [axis.x.log_offsets]\nvelocity_time_constant_ms = 4.0\nvelocity_integral_per_s = 62.5\nvelocity_friction_m_per_s2 = 1.0\n";
+    let machine = Machine::parse(text, "mill.toml").unwrap();
+    let force = ForceModel { motor_coulomb_n: plant::equivalent::MOTOR_KG, ..ForceModel::default() };
+    let compensation = CompensationSettings { force: Some(force), ..CompensationSettings::default() };
+    let x = AxisCompensation { mapped_mm: None, controller: ControllerChange::default(), compensation };
+    let axis = [("x".to_owned(), x)].into_iter().collect();
+    let file = CompensationFile { axis, ..CompensationFile::none(&machine) };
+    let ini = self::file(&write(Control::Linuxcnc, &machine, &file), "joints.ini");
+    assert!(
+        ini.contains("FRICTION = 4.000000\nFRICTION_PER_MM = 200.000000\nFRICTION_DECAY = 0.060587\n"),
+        "{ini}"
+    );
 }
 
 /// A positive value moves the axis in negative direction: it is the error. Half of the backlash on each side is MD32450.

@@ -12,8 +12,8 @@ use model::servo::{self, VelocityDrive};
 
 use crate::parameters::AxisParameters;
 
-/// Mass of the motor, kg. That of the table is 1 kg: what it does to the motor is below 0.1 %.
-const MOTOR_KG: f64 = 1000.0;
+/// Mass of the motor of an axis without masses, kg. That of the table is 1 kg: what it does to the motor is below 0.1 %.
+pub const MOTOR_KG: f64 = 1000.0;
 
 /// Friction of a table of which nothing is known, over its mass, m/s²: it does not slide in the gap by itself.
 const FRICTION_M_PER_S2: f64 = 10.0;

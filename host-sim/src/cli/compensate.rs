@@ -28,6 +28,9 @@ const MOTIONS: [(&str, &str); 2] = [
     ("motions/corner.toml", include_str!("../../motions/corner.toml")),
 ];
 
+/// Time for which another control has compensated before a motion, s.
+const SETTLE_S: f64 = 1.0;
+
 /// Arguments of `compensate`.
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -84,8 +87,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let limits = arguments.limits.checked()?;
     let model = Machine::read(&arguments.model)?;
     let model_file = arguments.model.display().to_string();
-    let tests = test_motions(&arguments.motion, arguments.set_at_s)?;
-    let watched = standard_motions::all(&model, &tests, arguments.set_at_s)?;
+    let mut tests = test_motions(&arguments.motion, arguments.set_at_s)?;
+    let mut watched = standard_motions::all(&model, &tests, arguments.set_at_s)?;
+    if arguments.format.is_some() {
+        tests.iter_mut().chain(&mut watched).for_each(|test| test.settle_s = SETTLE_S);
+    }
     let planning = Planning {
         model: &model,
         model_file: &model_file,
@@ -174,7 +180,12 @@ impl LoopsBeforeAfter {
 pub fn test_motions(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, InputError> {
     if paths.is_empty() {
         let of = |(source, text): (&str, &str)| {
-            Ok(TestMotion { motion: Motion::parse(text, source)?, source: source.to_owned(), start_s })
+            Ok(TestMotion {
+                motion: Motion::parse(text, source)?,
+                source: source.to_owned(),
+                start_s,
+                settle_s: 0.0,
+            })
         };
         return MOTIONS.into_iter().map(of).collect();
     }
@@ -184,7 +195,12 @@ pub fn test_motions(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, 
 /// The motions of these files.
 pub fn motions_of(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, InputError> {
     let of = |path: &PathBuf| {
-        Ok(TestMotion { motion: Motion::read(path)?, source: path.display().to_string(), start_s })
+        Ok(TestMotion {
+            motion: Motion::read(path)?,
+            source: path.display().to_string(),
+            start_s,
+            settle_s: 0.0,
+        })
     };
     paths.iter().map(of).collect()
 }

@@ -112,7 +112,7 @@ fn check_plant(declared: &Machine, plant: &Machine, file: &Path) -> Result<(), I
 fn motions_of(arguments: &Arguments) -> Result<(Vec<TestMotion>, Vec<TestMotion>), InputError> {
     let read = |path: &PathBuf, start_s: f64| {
         let source = path.display().to_string();
-        Ok(TestMotion { motion: Motion::read(path)?, source, start_s })
+        Ok(TestMotion { motion: Motion::read(path)?, source, start_s, settle_s: 0.0 })
     };
     let fit = arguments.fit.iter().zip(0u32..);
     let fit: Vec<TestMotion> =

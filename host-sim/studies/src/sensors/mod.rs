@@ -90,7 +90,7 @@ pub fn run(progress: &dyn Fn(&str)) -> Result<SensorStudy, SensorsError> {
     let machine = Machine::parse(MACHINE, "machine.toml")?;
     let tests = MOTIONS.map(|(source, text)| {
         let motion = Motion::parse(text, source)?;
-        Ok(TestMotion { motion, source: source.to_owned(), start_s: 0.0 })
+        Ok(TestMotion { motion, source: source.to_owned(), start_s: 0.0, settle_s: 0.0 })
     });
     let tests: Vec<TestMotion> = tests.into_iter().collect::<Result<_, InputError>>()?;
     let limits = MarginLimits::default();

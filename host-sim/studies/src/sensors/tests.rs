@@ -57,6 +57,7 @@ fn the_scale_takes_away_most_of_the_contour_error() {
         motion: Motion::parse(text, "circle.toml").unwrap(),
         source: String::new(),
         start_s: 0.0,
+        settle_s: 0.0,
     };
     let [motor, table, dual] = of_sensors(|feedback| {
         let machine = machine(feedback, Law::P);

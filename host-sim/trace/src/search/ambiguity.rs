@@ -93,6 +93,15 @@ pub fn is_special_form(special: &Effect, ordinary: &Effect) -> bool {
     special.kind().special_form_of == Some(ordinary.name()) && ordinary.kind().special_form_of.is_none()
 }
 
+/// Whether an effect is no substitute for one at a limit of a parameter, but another form of it: a special form goes on beyond the limit of
+/// its ordinary one, and what an effect contains is what it becomes at the limit.
+#[must_use]
+pub fn is_other_form(effect: &Effect, limited: &Effect) -> bool {
+    is_special_form(effect, limited)
+        || limited.kind().contains.contains(&effect.name())
+        || effect.is_same(limited)
+}
+
 /// What a candidate gains over another one, stage by stage; `None` if one of them was not fitted.
 fn gain_of(
     candidate: &Candidate,
@@ -103,5 +112,21 @@ fn gain_of(
     move |other| {
         let of_other = scores(other.fitted.as_ref()?);
         Some(compare(&of_other, of_candidate.as_ref()?, &scope.stages, options))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model::effects::{Backlash, GrowingPart, PitchProgressive, ThermalGrowth};
+
+    /// A screw that has grown within the shortest time that is searched has another lead; a gap it is not.
+    #[test]
+    fn a_slope_is_a_growth_at_the_limit_of_its_time() {
+        let (part, um_per_m, time_constant_s) = (GrowingPart::Screw, 390.0, 0.5);
+        let growth = Effect::ThermalGrowth(ThermalGrowth { part, um_per_m, time_constant_s });
+        let slope = Effect::PitchProgressive(PitchProgressive { slope_um_per_m: 390.0 });
+        assert!(is_other_form(&slope, &growth) && !is_other_form(&growth, &slope));
+        assert!(!is_other_form(&Effect::Backlash(Backlash { width_um: 10.0 }), &growth));
     }
 }

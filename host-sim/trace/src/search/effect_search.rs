@@ -2,7 +2,7 @@
 //! other, and dropped again if later ones make them unnecessary.
 
 use super::alternatives::with_better_alternatives;
-use super::ambiguity::{is_special_form, prefer_fewer_parameters, rivals};
+use super::ambiguity::{is_other_form, prefer_fewer_parameters, rivals};
 use super::candidates::{Candidate, Reference, rank};
 use super::companion::{is_companion, is_remainder};
 use super::held_out::{compare, scores};
@@ -252,14 +252,9 @@ impl EffectSearch<'_> {
             let last = fitted.model.found().len() - 1;
             candidate.limit = fitted.model.at_limit(last);
             // If a candidate ended at its limit, the true value may be beyond it, and this candidate may compensate a part of
-            // the same deviation. Settings of one controller compensate each other. A special form goes on beyond the limit of
-            // its ordinary one, and another form of the same effect is none of its substitutes.
-            let may_replace = |limited: &[Effect]| {
-                let is_other_form = |limited: &Effect| {
-                    is_special_form(&candidate.effect, limited) || candidate.effect.is_same(limited)
-                };
-                limited.iter().any(|limited| !is_other_form(limited))
-            };
+            // the same deviation. Settings of one controller compensate each other.
+            let may_replace =
+                |limited: &[Effect]| limited.iter().any(|limited| !is_other_form(&candidate.effect, limited));
             let is_substitute = may_replace(&limited) && scope.stages == [Stage::Motor]
                 || may_replace(&all_limited) && is_gross(data, &fitted, scope);
             let is_substitute = is_substitute || takes_place_of_mass(data, base, &fitted, scope);

@@ -60,6 +60,7 @@ pub fn motion(text: &str, start_s: f64) -> TestMotion {
         motion: Motion::parse(text, "motion.toml").unwrap(),
         source: "motion.toml".to_owned(),
         start_s,
+        settle_s: 0.0,
     }
 }
 

@@ -141,6 +141,7 @@ fn what_is_found_is_compensated_without_masses() {
         motion: Motion::parse(motion, "motion.toml").unwrap(),
         source: "motion.toml".to_owned(),
         start_s: 0.0,
+        settle_s: 0.0,
     };
     let planning = Planning {
         model: &model,
