@@ -38,7 +38,8 @@ struct Sum {
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[schemars(rename = "CauseShare")]
 struct Cause {
-    cause: &'static str,
+    #[serde(rename = "cause")]
+    name: &'static str,
     /// Empty: all axes together.
     axis: String,
     um: Sizes,
@@ -78,7 +79,7 @@ impl Motion {
 impl Cause {
     fn of(share: &CauseShare) -> Self {
         Self {
-            cause: share.name,
+            name: share.name,
             axis: share.axis.clone().unwrap_or_default(),
             um: share.share,
             ci95: share.interval_um,

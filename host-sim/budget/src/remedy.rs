@@ -26,7 +26,9 @@ pub fn of(cause: &Cause, machine: &Machine) -> String {
         Cause::Stiffness(_) => "compensate: the stretch of the drive is added to the command".to_owned(),
         Cause::Effect(axis, effect) => match machine.axis[*axis].effect[*effect].compensation() {
             EffectCompensation::Not { instead, .. } => instead.to_owned(),
-            compensated => format!("compensate: {}", compensated.description()),
+            compensated @ EffectCompensation::Compensated { .. } => {
+                format!("compensate: {}", compensated.description())
+            }
         },
         Cause::Unexplained(_) => "find its cause: log more channels, or other motions".to_owned(),
         Cause::Noise => "filter the velocity, or lower the gain of the velocity loop".to_owned(),

@@ -25,7 +25,9 @@ pub fn shares(whole: f64, causes: &[Measured]) -> (Vec<f64>, f64) {
     let left = whole - shares.iter().sum::<f64>();
     let total: f64 = shares.iter().map(|share| share.abs()).sum();
     if total > 0.0 {
-        shares.iter_mut().for_each(|share| *share += left * share.abs() / total);
+        for share in &mut shares {
+            *share += left * share.abs() / total;
+        }
     }
     (shares, if whole > 0.0 { left.abs() / whole } else { 0.0 })
 }

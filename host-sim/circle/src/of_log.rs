@@ -230,7 +230,9 @@ fn delay_s(signals: &[Signals<'_>]) -> f64 {
     let mut delay_s = 0.0;
     for _ in 0..ROUNDS {
         let mut sums = [(0.0, 0.0); 2];
-        signals.iter().for_each(|log| log.add_lateness(delay_s, &mut sums));
+        for log in signals {
+            log.add_lateness(delay_s, &mut sums);
+        }
         let means: Vec<f64> =
             sums.iter().filter(|(_, count)| *count > 0.0).map(|(sum, count)| sum / count).collect();
         if means.is_empty() {

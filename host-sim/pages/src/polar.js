@@ -39,9 +39,9 @@ for (const svg of document.querySelectorAll("svg[data-division]")) {
     const angle = Math.atan2(MIDDLE - at.y, at.x - MIDDLE);
     const away = (point) => Math.abs(Math.atan2(Math.sin(point.angle - angle), Math.cos(point.angle - angle)));
     const near = lines.flatMap(({ line, points }) => {
-      const best = points.reduce((best, point) => (away(point) < away(best) ? point : best), points[0]);
+      const best = points.reduce((best, point) => (away(best) > away(point) ? point : best), points[0]);
       const name = { cw: "clockwise", ccw: "counter-clockwise" }[line.getAttribute("class")] ?? line.getAttribute("class");
-      return best && away(best) < HALF_WIDTH_RAD ? [`${name} ${rounded(best.um)} µm`] : [];
+      return best && HALF_WIDTH_RAD > away(best) ? [`${name} ${rounded(best.um)} µm`] : [];
     });
     const degrees = ((angle * 180 / Math.PI) + 360) % 360;
     said.textContent = [`${degrees.toFixed(1)}°`, ...near].join(", ");

@@ -27,9 +27,10 @@ pub fn ask(
         }
         if axis.settings.mechanics.lead_mm.is_none() {
             let is_rotary = of_axis().any(|axis| axis.unit == Unit::Degree);
-            let (key, what) = match is_rotary {
-                true => ("lead_deg", "angle of the axis per turn of the motor, degrees"),
-                false => ("lead_mm", "travel per turn of the screw, mm"),
+            let (key, what) = if is_rotary {
+                ("lead_deg", "angle of the axis per turn of the motor, degrees")
+            } else {
+                ("lead_mm", "travel per turn of the screw, mm")
             };
             known.extend(answer(machine, (name, key), what, answers, terminal)?);
         }

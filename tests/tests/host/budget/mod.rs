@@ -11,7 +11,9 @@ use model::machine::Machine;
 /// The standard circle within ±40 mm: radius 30 mm at 50 mm/s, both directions.
 fn circle(machine: &Machine) -> TestMotion {
     let mut travels = Travel::of(machine);
-    travels.iter_mut().for_each(|travel| travel.ends_mm = [-40.0, 40.0]);
+    for travel in &mut travels {
+        travel.ends_mm = [-40.0, 40.0];
+    }
     let mut motions = standard(&travels);
     assert_eq!(motions[0].motion.name, "circle");
     motions.swap_remove(0)

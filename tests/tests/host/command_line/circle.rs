@@ -77,7 +77,10 @@ fn what_is_no_circle_is_refused_in_one_line() {
         ("circle table.csv --json o.json", "table.csv: expected --radius MM beside radius_um, found none"),
         ("circle table.csv --radius -1 --json o.json", "--radius: expected a positive number"),
         ("circle quarter.csv --json o.json", "quarter.csv: expected"),
-        ("circle quarter.csv table.csv --json o.json", "quarter.csv: expected one log, or two tables"),
+        (
+            "circle quarter.csv table.csv --json o.json",
+            "quarter.csv: expected a table with radius_mm or radius_um, as table.csv",
+        ),
         ("circle quarter.csv --radius 10 --json o.json", "quarter.csv: expected a table with radius_mm"),
         ("circle table.csv --radius 100 --json table.csv", "neither an input nor another output"),
     ] {

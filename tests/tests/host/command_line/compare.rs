@@ -48,7 +48,7 @@ fn table_json_and_page_have_every_motion_and_format() {
     assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
     // Two plots per motion, and two samples in the legend.
     assert_eq!(page.matches("<svg").count(), 12);
-    assert!(!page.contains("http") && !page.contains("<script"));
+    assert!(!page.contains("http") && page.matches("<script").count() <= 1);
     // A page is passed on: it names no folder of the computer that wrote it. Both folders, as links may lead to them, too.
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     for path in [folder.path(), workspace, &std::env::temp_dir()] {

@@ -38,7 +38,7 @@ fn tables_json_and_page_have_every_paper() {
     let page = folder.read("report/report.html");
     assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
     assert!(page.matches("<svg").count() >= 4, "a plot for each paper");
-    assert!(!page.contains("http") && !page.contains("<script") && !page.contains("NaN"));
+    assert!(!page.contains("http") && page.matches("<script").count() <= 1 && !page.contains("NaN"));
 }
 
 /// If the paper prints a bound, the verdict states whether the bound holds; if it prints a number, whether ours agrees, which
