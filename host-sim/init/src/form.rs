@@ -6,7 +6,7 @@ use files::error::InputError;
 use files::log::Log;
 use model::axis::{Drive, TOLERATED, Tolerated};
 use model::effects::Stage;
-use model::machine::{Machine, rotary};
+use model::machine::Machine;
 use rayon::prelude::*;
 use shared::config::Rates;
 use trace::AxisIdentification;
@@ -204,9 +204,8 @@ pub fn with_values_of(rough: &Rough, model: &AxisModel) -> Rough {
     let shown = |key: &&Tolerated| rough.origins.get(key.key) == Some(&Origin::Logs);
     for key in TOLERATED.iter().filter(shown).collect::<Vec<_>>() {
         if let Some(value) = (key.get)(&model.axis.settings).filter(|value| *value > 0.0) {
-            // As it is written, with six digits.
-            let (_, factor) = rotary::written(key.key, 1.0, rough.settings.names);
-            (key.set)(&mut rough.settings, crate::rounded(value * factor) / factor);
+            let value = crate::rounded_as_written(key.key, value, rough.settings.names);
+            (key.set)(&mut rough.settings, value);
         }
     }
     let declared = rough.beside.len();

@@ -64,9 +64,7 @@ pub struct Initial {
 /// # Errors
 /// If the logs do not belong to the machine.
 pub fn machine(known: &Machine, logs: &[Log], progress: &Progress<'_>) -> Result<Initial, InputError> {
-    let is_in_degrees =
-        |name: &str| logs.iter().any(|log| log.axis(name).is_some_and(|axis| axis.unit == Unit::Degree));
-    let known = &known.clone().named_as_logs(is_in_degrees);
+    let known = &known.clone().named_as_logs(logs);
     let names: Vec<String> = known.axis.keys().cloned().collect();
     let options = TraceOptions::default();
     progress("regressions");
@@ -109,6 +107,8 @@ pub fn machine(known: &Machine, logs: &[Log], progress: &Progress<'_>) -> Result
         machine.velocity_loop_rate_hz = known.velocity_loop_rate_hz;
     }
     notes.extend(unknown(&machine, &last, known));
+    // As it is read from its file, which has the values of rotary axes in other units, with 15 digits.
+    let machine = Machine::parse(&machine.to_toml(), "machine file of init")?;
     Ok(Initial { machine, values, notes })
 }
 

@@ -31,8 +31,8 @@ pub mod written;
 use files::error::InputError;
 use files::log::Log;
 use indexmap::IndexMap;
-use model::axis::Settings;
-use model::machine::{Axis, Machine};
+use model::axis::{KeyNames, Settings};
+use model::machine::{Axis, Machine, rotary};
 
 pub use initial::{Initial, machine};
 
@@ -57,6 +57,13 @@ pub fn unknown(name: &str, logs: &[Log]) -> Result<Machine, InputError> {
         axis: axes,
         structure: None,
     })
+}
+
+/// A value of a key with six significant digits in the unit in which a file with these names of keys has it.
+#[must_use]
+pub fn rounded_as_written(key: &'static str, value: f64, names: KeyNames) -> f64 {
+    let (_, factor) = rotary::written(key, 1.0, names);
+    rounded(value * factor) / factor
 }
 
 /// A value with six significant digits, more than any log determines.

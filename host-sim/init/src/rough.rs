@@ -89,7 +89,8 @@ impl Rough {
         let declared = Tolerated::with_key(key);
         let (Some(tolerated), Some(value)) = (declared, value.filter(|value| *value > 0.0)) else { return };
         if self.origins.get(tolerated.key) != Some(&Origin::Known) {
-            (tolerated.set)(&mut self.settings, crate::rounded(value));
+            let value = crate::rounded_as_written(tolerated.key, value, self.settings.names);
+            (tolerated.set)(&mut self.settings, value);
             self.origins.insert(tolerated.key, origin);
         }
     }

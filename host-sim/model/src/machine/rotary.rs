@@ -51,6 +51,13 @@ const KEYS: &[RotaryKey] = &[
     key("frozen_encoder_limit_deg", "frozen_encoder_limit_mm", None),
 ];
 
+/// Keys of what a fit says of the zeros and of the drive of an axis.
+const LOG_OFFSETS: &[RotaryKey] = &[
+    key("table_zero_mdeg", "table_zero_um", None),
+    key("tool_zero_mdeg", "tool_zero_um", None),
+    key("velocity_friction_deg_per_s2", "velocity_friction_m_per_s2", Some(1e-3)),
+];
+
 const fn key(rotary: &'static str, linear: &'static str, factor: Option<f64>) -> RotaryKey {
     RotaryKey { rotary, linear, factor }
 }
@@ -100,15 +107,14 @@ pub(super) fn to_linear(document: &Document<'_>) -> Result<Linear, InputError> {
     let mut axes = Vec::new();
     let mut renaming = Renaming::default();
     for axis in document.children("axis") {
-        let own = document.children(axis);
-        let names = |key: &&str| KEYS.iter().any(|known| known.rotary == last(key));
-        let Some(first) = own.iter().copied().find(names) else { continue };
+        let before = renaming.renamed.len();
+        renaming.axis(document, axis, Direction::ToLinear);
+        let Some((_, first)) = renaming.renamed.get(before) else { continue };
         let is_linear = |key: &&str| KEYS.iter().any(|known| known.linear == last(key));
-        if let Some(mixed) = own.iter().copied().find(is_linear) {
+        if let Some(mixed) = document.children(axis).into_iter().find(is_linear) {
             let problem = format!("expected a key of a rotary axis, as {} is one", last(first));
             return Err(document.error_at(mixed, &problem));
         }
-        renaming.axis(document, axis, Direction::ToLinear);
         // Also of keys that are missing: an error may ask for one.
         renaming.renamed.extend(KEYS.iter().map(|key| {
             let [linear, rotary] = [key.linear, key.rotary].map(|key| format!("{axis}.{key}"));
@@ -149,11 +155,12 @@ struct Renaming {
 }
 
 impl Renaming {
-    /// The keys of an axis, of its nominal values and tolerances, and of its effects.
+    /// The keys of an axis, of its nominal values and tolerances, of its zeros, and of its effects.
     fn axis(&mut self, document: &Document<'_>, axis: &str, direction: Direction) {
-        self.settings(document, axis, direction, true);
-        self.settings(document, &format!("{axis}.nominal"), direction, true);
-        self.settings(document, &format!("{axis}.tolerance_percent"), direction, false);
+        self.table(document, axis, (KEYS, direction), true);
+        self.table(document, &format!("{axis}.nominal"), (KEYS, direction), true);
+        self.table(document, &format!("{axis}.tolerance_percent"), (KEYS, direction), false);
+        self.table(document, &format!("{axis}.log_offsets"), (LOG_OFFSETS, direction), true);
         for effects in [format!("{axis}.effect"), format!("{axis}.nominal.effect")] {
             for effect in document.children(&effects) {
                 self.effect(document, effect, direction);
@@ -161,10 +168,16 @@ impl Renaming {
         }
     }
 
-    fn settings(&mut self, document: &Document<'_>, table: &str, direction: Direction, has_values: bool) {
+    fn table(
+        &mut self,
+        document: &Document<'_>,
+        table: &str,
+        (keys, direction): (&[RotaryKey], Direction),
+        has_values: bool,
+    ) {
         for path in document.children(table) {
             let is_it = |key: &&RotaryKey| last(path) == key.old_and_new(direction)[0];
-            let Some(key) = KEYS.iter().find(is_it) else { continue };
+            let Some(key) = keys.iter().find(is_it) else { continue };
             self.key(document, path, key.old_and_new(direction)[1]);
             if let Some(factor) = key.factor.filter(|_| has_values) {
                 let factor = if direction == Direction::ToLinear { factor } else { 1.0 / factor };
@@ -220,6 +233,7 @@ fn to_15_digits(value: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::machine::Machine;
+    use files::log::{AxisLog, Log, Unit};
 
     const TEXT: &str = "name = 'robot'\nsample_rate_hz = 1000.0\n[axis.c]\nmotor_inertia_kg_m2 = 0.134\ntable_inertia_kg_m2 = 0.5\n\
         stiffness_nm_per_rad = 2e5\nviscous_nm_s_per_rad = 3.5\ncoulomb_nm = 12.0\nlead_deg = 3.6\n\
@@ -270,6 +284,39 @@ mod tests {
         let mixed = TEXT.replace("coulomb_nm", "coulomb_n");
         let expected = "m.toml: line 8: axis.c.coulomb_n: expected a key of a rotary axis, as motor_inertia_kg_m2 is one";
         assert_eq!(refused(&mixed), expected);
+    }
+
+    /// Of an axis of which nothing else is known, the effects say that it is rotary.
+    #[test]
+    fn an_axis_with_the_effects_of_a_rotary_one_is_rotary() {
+        let text = "name = 'm'\nsample_rate_hz = 1000.0\n[axis.c]\n[[axis.c.effect]]\nname = 'pitch_progressive'\n\
+            slope_mdeg_per_kdeg = -288.0\n";
+        let machine = Machine::parse(text, "m.toml").unwrap();
+        assert_eq!(machine.axis["c"].settings.names, KeyNames::Rotary);
+        assert_eq!(machine.axis["c"].effect[0].values(), [-288.0]);
+        assert_eq!(Machine::parse(&machine.to_toml(), "m.toml").unwrap(), machine);
+    }
+
+    #[test]
+    fn an_axis_with_the_zeros_of_a_rotary_one_is_rotary() {
+        let text = "name = 'm'\nsample_rate_hz = 1000.0\n[axis.c]\n[axis.c.log_offsets]\ntable_zero_mdeg = -3.5\n\
+            velocity_friction_deg_per_s2 = 900.0\n";
+        let machine = Machine::parse(text, "m.toml").unwrap();
+        let offsets = machine.axis["c"].log_offsets.unwrap();
+        assert_eq!([offsets.table_zero_um, offsets.velocity_friction_m_per_s2], [Some(-3.5), Some(0.9)]);
+        assert_eq!(machine.axis["c"].settings.names, KeyNames::Rotary);
+        assert_eq!(Machine::parse(&machine.to_toml(), "m.toml").unwrap(), machine);
+    }
+
+    #[test]
+    fn an_axis_is_named_as_its_logs_unless_a_key_says_otherwise() {
+        let text = "name = 'm'\nsample_rate_hz = 1000.0\n[axis.a]\n[axis.b]\nlead_mm = 5.0\n[axis.x]\n";
+        let units = [("a", Unit::Degree), ("b", Unit::Degree), ("x", Unit::Millimetre)];
+        let axes = units.map(|(name, unit)| AxisLog::new(name, unit)).to_vec();
+        let log = Log { source: "log.csv".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes };
+        let named = Machine::parse(text, "m.toml").unwrap().named_as_logs([&log]);
+        let names = named.axis.values().map(|axis| axis.settings.names);
+        assert!(names.eq([KeyNames::Rotary, KeyNames::Linear, KeyNames::Linear]));
     }
 
     /// Each key of an axis with a length or force in its unit has a name for rotary axes, and no other has.
