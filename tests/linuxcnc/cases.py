@@ -70,16 +70,13 @@ def lines(keys):
     return "".join(f"{key} = {value!r}\n".replace("'", '"') for key, value in keys.items())
 
 
-def small(coulomb_n):
-    """Small axes."""
-    return {axis: {"motor_mass_kg": 5.0, "table_mass_kg": 20.0, "stiffness_n_per_um": 200.0, "damping_n_s_per_m": 20000.0,
-                   "coulomb_n": coulomb_n, "viscous_n_s_per_m": 100.0, "presliding_stiffness_n_per_um": 10.0,
-                   "presliding_damping_n_s_per_m": 500.0} for axis in ("x", "y")}
-
-
+# Small axes.
 STEPPERS = machine({"velocity_loop_rate_hz": 20000.0},
                    {"controller": "p", "position_gain_per_s": 800.0, "feedforward_percent": 100.0,
-                    "velocity_gain_n_s_per_m": 40000.0, "feedback": "motor"}, small(30.0), effects=PITCH + GAPS)
+                    "velocity_gain_n_s_per_m": 40000.0, "feedback": "motor",
+                    "motor_mass_kg": 5.0, "table_mass_kg": 20.0, "stiffness_n_per_um": 200.0, "damping_n_s_per_m": 20000.0,
+                    "coulomb_n": 30.0, "viscous_n_s_per_m": 100.0, "presliding_stiffness_n_per_um": 10.0,
+                    "presliding_damping_n_s_per_m": 500.0}, effects=PITCH + GAPS)
 # Time constants of 4 ms.
 VELOCITY_LOOP = {"controller": "p", "position_gain_per_s": 50.0, "feedforward_percent": 100.0, "velocity_gain_n_s_per_m": 62500.0,
                  "velocity_integral_time_s": 0.016, "feedback": "motor"}

@@ -2,6 +2,7 @@
 
 use model::axis::Settings;
 use model::effects::Effect;
+use model::machine::evidence::Evidence;
 use model::machine::{Axis, Machine};
 use plant::instruments::Instruments;
 use plant::parameters::AxisParameters;
@@ -70,6 +71,15 @@ impl Cause {
             | Self::Effect(axis, _)
             | Self::Unexplained(axis) => machine.axis.get_index(*axis).map(|(name, _)| name.as_str()),
             Self::FollowingLag | Self::GainDifference | Self::Noise | Self::Quantisation => None,
+        }
+    }
+
+    /// What a trace knows of the effect that it is; `None`: nothing, or it is no effect.
+    #[must_use]
+    pub fn evidence<'a>(&self, machine: &'a Machine) -> Option<&'a Evidence> {
+        match self {
+            Self::Effect(axis, effect) => machine.axis[*axis].evidence.get(*effect),
+            _ => None,
         }
     }
 

@@ -6,21 +6,11 @@
 
 use model::effects::{Effect, Unit};
 use model::machine::Machine;
-use model::machine::evidence::Evidence;
 
 use crate::cause::Cause;
 
 /// Relative error of a share by the simulation itself: the whole of the machines of another simulator is within it (tests `budget::`).
 const OF_SIMULATION: f64 = 0.05;
-
-/// The evidence for a cause; `None`: there is none.
-#[must_use]
-pub fn evidence<'a>(cause: &Cause, machine: &'a Machine) -> Option<&'a Evidence> {
-    match cause {
-        Cause::Effect(axis, effect) => machine.axis[*axis].evidence.get(*effect),
-        _ => None,
-    }
-}
 
 /// Relative half width of the 95 % interval of a cause's share; `None`: unknown.
 #[must_use]
@@ -35,7 +25,7 @@ fn of_size(cause: &Cause, machine: &Machine) -> Option<f64> {
     };
     match *cause {
         Cause::Effect(axis, effect) => {
-            let half_widths = &evidence(cause, machine)?.half_widths;
+            let half_widths = &cause.evidence(machine)?.half_widths;
             of_effect(&machine.axis[axis].effect[effect], half_widths)
         }
         Cause::Friction(axis) => tolerance(axis, "coulomb_n"),

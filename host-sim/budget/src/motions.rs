@@ -6,7 +6,6 @@ use indexmap::IndexMap;
 use model::axis::KeyNames;
 use model::machine::Machine;
 use motion::{Block, Motion, Pace, Sweep};
-use shared::interpolate::Ramps;
 
 /// Part of the travel that is used: an axis overshoots.
 const WITHIN: f64 = 0.9;
@@ -54,19 +53,11 @@ pub fn standard(axes: &[Travel]) -> Vec<TestMotion> {
     let plane = (axes.len() > 1).then(|| Plane::of(axes));
     let in_plane = plane.iter().flat_map(|plane| [plane.circle(), plane.corners(), plane.part()]);
     let motions: Vec<Motion> = in_plane.chain([travel(axes)]).collect();
-    motions
-        .into_iter()
-        .map(|motion| TestMotion { source: motion.name.clone(), motion, start_s: 0.0, settle_s: 0.0 })
-        .collect()
+    motions.into_iter().map(|motion| TestMotion::of_program(motion, 0.0)).collect()
 }
 
 const fn pace() -> Pace {
-    Pace {
-        feed_mm_per_min: 60.0 * FEED_MM_PER_S,
-        acceleration_m_per_s2: ACCELERATION_M_PER_S2,
-        ramps: Ramps::Trapezoid,
-        joint_tolerance_um: 0.0,
-    }
+    Pace::with_exact_stop(FEED_MM_PER_S, ACCELERATION_M_PER_S2)
 }
 
 fn centre(axis: &Travel) -> f64 {

@@ -1,6 +1,7 @@
 //! The budget of a motion.
 
 use compensate::prediction::{PredictionError, TestMotion};
+use files::format::significant;
 use model::machine::evidence::Certainty;
 
 use crate::cause::Cause;
@@ -9,6 +10,9 @@ use crate::remedy;
 use crate::share::{Measured, shares, signed_root};
 use crate::simulation::Simulated;
 use crate::sizes::Sizes;
+
+/// Part of the whole below which a cause is not listed for a reader.
+const LEAST_SHOWN: f64 = 0.01;
 
 /// What each cause costs on a motion.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,7 +73,7 @@ impl MotionBudget {
                 let mean = one.alone.combined(gone, |alone, gone| 0.5 * (alone + gone));
                 let share = Sizes { rms: signed_root(square), ..mean };
                 let machine = simulated.model;
-                let evidence = interval::evidence(cause, machine);
+                let evidence = cause.evidence(machine);
                 CauseShare {
                     name: cause.name(machine),
                     axis: cause.axis(machine).map(str::to_owned),
@@ -85,6 +89,16 @@ impl MotionBudget {
             .collect();
         causes.sort_by(|a, b| b.share.rms.abs().total_cmp(&a.share.rms.abs()));
         Ok(Self { name: test.motion.name.clone(), whole, causes, shared_in_proportion })
+    }
+
+    /// The causes of at least a hundredth of the whole, and a sentence on the others, if there are any.
+    #[must_use]
+    pub fn shown(&self) -> (Vec<&CauseShare>, Option<String>) {
+        let least_um = LEAST_SHOWN * self.whole.rms;
+        let shown: Vec<&CauseShare> =
+            self.causes.iter().filter(|cause| cause.share.rms.abs() >= least_um).collect();
+        let hidden = self.causes.len() - shown.len();
+        (shown, (hidden > 0).then(|| format!("{hidden} more below {} µm.", significant(least_um, 2))))
     }
 
     /// Rms of the sum of the shares, µm.

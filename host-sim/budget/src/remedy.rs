@@ -6,12 +6,11 @@ use model::machine::Machine;
 use model::machine::evidence::Certainty;
 
 use crate::cause::Cause;
-use crate::interval;
 
 /// What to do about a cause, in words.
 #[must_use]
 pub fn of(cause: &Cause, machine: &Machine) -> String {
-    let doubt = match interval::evidence(cause, machine) {
+    let doubt = match cause.evidence(machine) {
         Some(evidence) if evidence.certainty == Certainty::Ambiguous && !evidence.rivals.is_empty() => {
             format!("first find out whether it is {} (trace --propose); then ", evidence.rivals.join(" or "))
         }

@@ -9,7 +9,6 @@ use compensate::CompensationFile;
 use compensate::alignment::aligned;
 use compensate::controller_host::ControllerHost;
 use compensate::prediction::{self, PredictionError, TestMotion};
-use contour::LoggedMotion;
 use files::log::{Channel, Log};
 use model::machine::Machine;
 
@@ -48,17 +47,17 @@ impl Simulated<'_> {
         let all = self.log(test, causes)?;
         let one = |cause: &Cause| match cause {
             Cause::FollowingLag => {
-                Ok(AloneAndWithout { alone: sizes(&lag, test)?, without: sizes(&less(&all, &lag), test)? })
+                Ok(AloneAndWithout { alone: sizes(&lag)?, without: sizes(&less(&all, &lag))? })
             }
             cause => {
                 let others: Vec<Cause> = causes.iter().filter(|other| *other != cause).cloned().collect();
                 let alone = self.log(test, std::slice::from_ref(cause))?;
-                let without = sizes(&self.log(test, &others)?, test)?;
-                Ok(AloneAndWithout { alone: sizes(&less(&alone, &lag), test)?, without })
+                let without = sizes(&self.log(test, &others)?)?;
+                Ok(AloneAndWithout { alone: sizes(&less(&alone, &lag))?, without })
             }
         };
         let each = causes.par_iter().map(one).collect::<Result<_, PredictionError>>()?;
-        Ok((sizes(&all, test)?, each))
+        Ok((sizes(&all)?, each))
     }
 
     /// The log of the machine with some causes, with the tool where it is and not where a probe reads it.
@@ -84,8 +83,6 @@ fn less(log: &Log, other: &Log) -> Log {
     log
 }
 
-fn sizes(log: &Log, test: &TestMotion) -> Result<Sizes, PredictionError> {
-    let error = LoggedMotion::of(log).ok().and_then(|motion| motion.contour_error());
-    let none = || PredictionError::NoContour { motion: test.motion.name.clone() };
-    error.as_ref().map(Sizes::of).ok_or_else(none)
+fn sizes(log: &Log) -> Result<Sizes, PredictionError> {
+    Ok(Sizes::of(&prediction::of_aligned(log)?.0))
 }

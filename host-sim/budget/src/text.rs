@@ -1,12 +1,10 @@
 //! The budget for a terminal: for each motion a sentence, then a table of its causes.
 
 use files::format::significant;
+use model::machine::evidence::Certainty;
 
 use crate::Budget;
 use crate::of_motion::{CauseShare, MotionBudget};
-
-/// Causes below this part of the whole are joined in one line.
-const LEAST: f64 = 0.01;
 
 /// Part of the mean square shared in proportion from which it is told.
 const TOLD_TOGETHER: f64 = 0.1;
@@ -35,12 +33,9 @@ pub fn of_motion(motion: &MotionBudget) -> String {
             "cause", "axis", "µm rms", "95 % interval", "µm at most", "G µm", "without it"
         ),
     ];
-    let is_shown = |cause: &&CauseShare| cause.share.rms.abs() >= LEAST * motion.whole.rms;
-    lines.extend(motion.causes.iter().filter(is_shown).map(row));
-    let hidden = motion.causes.iter().filter(|cause| !is_shown(cause)).count();
-    if hidden > 0 {
-        lines.push(format!("{hidden} more below {} µm.", significant(LEAST * motion.whole.rms, 2)));
-    }
+    let (shown, others) = motion.shown();
+    lines.extend(shown.into_iter().map(row));
+    lines.extend(others);
     if motion.shared_in_proportion > TOLD_TOGETHER {
         lines.push(format!(
             "Causes act on each other: {} % of the mean square is shared among them in proportion.",
@@ -74,10 +69,7 @@ impl CauseShare {
     #[must_use]
     pub fn title(&self) -> String {
         let name = self.name.replace('_', " ");
-        let doubt = match self.certainty {
-            model::machine::evidence::Certainty::Ambiguous => " (ambiguous)",
-            _ => "",
-        };
+        let doubt = if self.certainty == Certainty::Ambiguous { " (ambiguous)" } else { "" };
         match &self.axis {
             Some(axis) => format!("{name} of {axis}{doubt}"),
             None => format!("{name}{doubt}"),

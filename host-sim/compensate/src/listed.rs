@@ -60,6 +60,11 @@ pub struct NotCompensated {
 }
 
 impl Planning<'_> {
+    /// Whether the drive of an axis, by its number, is commanded by a velocity.
+    fn commands_velocity(&self, axis: usize) -> bool {
+        self.model.axis[axis].settings.controller.drive == Drive::Velocity
+    }
+
     /// Names of effect and axis of a part.
     pub(crate) fn names(&self, part: &Part) -> (String, String) {
         let axis = |index: usize| self.model.axis.get_index(index).map_or("", |(name, _)| name).to_owned();
@@ -68,8 +73,8 @@ impl Planning<'_> {
                 (self.model.axis[index].effect[effect].name().to_owned(), axis(index))
             }
             Part::Force(index) => {
-                let is_velocity = self.model.axis[index].settings.controller.drive == Drive::Velocity;
-                let name = if is_velocity { "friction_feedforward" } else { "force_feedforward" };
+                let name =
+                    if self.commands_velocity(index) { "friction_feedforward" } else { "force_feedforward" };
                 (name.to_owned(), axis(index))
             }
             Part::Stretch(index) => ("stretch".to_owned(), axis(index)),
@@ -85,7 +90,7 @@ impl Planning<'_> {
             Part::Effect(index, effect) => {
                 self.model.axis[*index].effect[*effect].compensation().description()
             }
-            Part::Force(index) if self.model.axis[*index].settings.controller.drive == Drive::Velocity => {
+            Part::Force(index) if self.commands_velocity(*index) => {
                 "the velocity that friction takes from the drive after a reversal is added to its command"
                     .to_owned()
             }

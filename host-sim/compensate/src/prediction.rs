@@ -1,5 +1,7 @@
 //! The contour error that a model predicts, with and without a compensation.
 
+use std::path::Path;
+
 use rayon::prelude::*;
 
 use crate::alignment::aligned;
@@ -29,6 +31,32 @@ pub struct TestMotion {
     pub start_s: f64,
     /// Time at rest before it with the compensation on, s, which is no part of its log: another control compensates since its homing.
     pub settle_s: f64,
+}
+
+impl TestMotion {
+    /// The motion of a text at a time on the session clock, s; `source` names it in messages.
+    ///
+    /// # Errors
+    /// If the text is no motion file.
+    pub fn parse(text: &str, source: &str, start_s: f64) -> Result<Self, InputError> {
+        let motion = Motion::parse(text, source)?;
+        Ok(Self { motion, source: source.to_owned(), start_s, settle_s: 0.0 })
+    }
+
+    /// The motion of a file at a time on the session clock, s.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or is no motion file.
+    pub fn read(path: &Path, start_s: f64) -> Result<Self, InputError> {
+        let source = path.display().to_string();
+        Ok(Self { motion: Motion::read(path)?, source, start_s, settle_s: 0.0 })
+    }
+
+    /// A motion that is in no file, at a time on the session clock, s. Messages have its name.
+    #[must_use]
+    pub fn of_program(motion: Motion, start_s: f64) -> Self {
+        Self { source: motion.name.clone(), motion, start_s, settle_s: 0.0 }
+    }
 }
 
 /// Why a motion cannot be simulated.
@@ -142,8 +170,17 @@ pub fn contour_error_on(
 /// # Errors
 /// If the log is too short or has no linear axis.
 pub fn contour_error(log: &Log, model: &Machine) -> Result<ContourError, PredictionError> {
-    let error = LoggedMotion::of(&aligned(log, model)).ok().and_then(|motion| motion.contour_error());
-    error.ok_or_else(|| PredictionError::NoContour { motion: log.source.clone() })
+    Ok(of_aligned(&aligned(log, model))?.0)
+}
+
+/// Contour error of a log whose channels are aligned, and its positions.
+///
+/// # Errors
+/// If the log is too short or has no linear axis.
+pub fn of_aligned(log: &Log) -> Result<(ContourError, LoggedMotion), PredictionError> {
+    let motion = LoggedMotion::of(log).ok();
+    let both = motion.and_then(|motion| Some((motion.contour_error()?, motion)));
+    both.ok_or_else(|| PredictionError::NoContour { motion: log.source.clone() })
 }
 
 /// Root mean square over the samples of all motions, µm.
@@ -170,10 +207,8 @@ pub fn predictions(
     let none = CompensationFile::none(machine);
     let one = |test: &TestMotion| {
         let measured = |file| {
-            let log = aligned(&log(machine, file, test, (instruments, ControllerHost::Host))?, machine);
-            let motion = LoggedMotion::of(&log).ok();
-            let both = motion.and_then(|motion| Some((motion.contour_error()?, motion)));
-            both.ok_or_else(|| PredictionError::NoContour { motion: test.motion.name.clone() })
+            let log = log(machine, file, test, (instruments, ControllerHost::Host))?;
+            of_aligned(&aligned(&log, machine))
         };
         let [(before, _), (after, motion)] = [measured(&none)?, measured(file)?];
         Ok(Prediction::new(&test.motion.name, [&before, &after], &Commanded::of(&motion)))
@@ -204,8 +239,7 @@ mod tests {
         let axis = [("x".to_owned(), x)].into_iter().collect();
         let file = CompensationFile { axis, ..CompensationFile::none(&machine) };
         let logged = |settle_s| {
-            let motion = Motion::parse(motion, "line.toml").unwrap();
-            let test = TestMotion { motion, source: "line.toml".to_owned(), start_s: 0.0, settle_s };
+            let test = TestMotion { settle_s, ..TestMotion::parse(motion, "line.toml", 0.0).unwrap() };
             log(&machine, &file, &test, (Instruments::default(), ControllerHost::Host)).unwrap()
         };
         let (at_once, settled) = (logged(0.0), logged(1.0));

@@ -1,7 +1,6 @@
 //! Motions that turn, stop and creep: with a compensation, none of them may have a larger contour error than without.
 
 use indexmap::IndexMap;
-use shared::interpolate::Ramps;
 
 use crate::mapped;
 use crate::prediction::TestMotion;
@@ -54,9 +53,7 @@ pub fn all(machine: &Machine, tests: &[TestMotion], start_s: f64) -> Result<Vec<
     let builder = Builder { axes, fastest_mm_per_s: fastest.fold(f64::INFINITY, f64::min) };
     let motions =
         [builder.reversals(), builder.steps(), builder.creeping()].into_iter().chain(builder.circle());
-    Ok(motions
-        .map(|motion| TestMotion { source: motion.name.clone(), motion, start_s, settle_s: 0.0 })
-        .collect())
+    Ok(motions.map(|motion| TestMotion::of_program(motion, start_s)).collect())
 }
 
 /// Axes with their travel, mm, and the fastest feed.
@@ -76,12 +73,7 @@ impl Builder {
     }
 
     fn pace(&self, mm_per_s: f64, acceleration_m_per_s2: f64) -> Pace {
-        Pace {
-            feed_mm_per_min: 60.0 * mm_per_s.min(self.fastest_mm_per_s),
-            acceleration_m_per_s2,
-            ramps: Ramps::Trapezoid,
-            joint_tolerance_um: 0.0,
-        }
+        Pace::with_exact_stop(mm_per_s.min(self.fastest_mm_per_s), acceleration_m_per_s2)
     }
 
     /// A motion from the centre of the travel, after a rest.
@@ -167,12 +159,7 @@ mod tests {
     fn the_standard_motions_stay_within_the_travel_and_move_every_axis() {
         let machine = Machine::parse(model::examples::DEMO_MACHINE, "demo.toml").unwrap();
         let circle = include_str!("../../motions/demo_ballbar.toml");
-        let test = TestMotion {
-            motion: Motion::parse(circle, "circle").unwrap(),
-            source: "circle".to_owned(),
-            start_s: 0.0,
-            settle_s: 0.0,
-        };
+        let test = TestMotion::parse(circle, "circle", 0.0).unwrap();
         let motions = all(&machine, &[test], 5.0).unwrap();
         let names: Vec<&str> = motions.iter().map(|test| test.motion.name.as_str()).collect();
         assert_eq!(names, ["reversals", "steps", "creeping", "circle"]);

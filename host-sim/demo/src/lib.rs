@@ -169,13 +169,7 @@ pub fn compensated(
 }
 
 fn test_motion(text: &str) -> Result<TestMotion, InputError> {
-    let source = "a shipped motion";
-    Ok(TestMotion {
-        motion: Motion::parse(text, source)?,
-        source: source.to_owned(),
-        start_s: SET_AT_S,
-        settle_s: 0.0,
-    })
+    TestMotion::parse(text, "a shipped motion", SET_AT_S)
 }
 
 /// Logs of a machine on the demonstration's motions: those of the fit, and those of the validation.

@@ -79,3 +79,12 @@ pub struct Pace {
     /// Largest deviation from the corner at the end of the block; 0: exact stop.
     pub joint_tolerance_um: f64,
 }
+
+impl Pace {
+    /// A speed, mm/s, and acceleration, m/s², with trapezoidal ramps and an exact stop.
+    #[must_use]
+    pub const fn with_exact_stop(mm_per_s: f64, acceleration_m_per_s2: f64) -> Self {
+        let feed_mm_per_min = 60.0 * mm_per_s;
+        Self { feed_mm_per_min, acceleration_m_per_s2, ramps: Ramps::Trapezoid, joint_tolerance_um: 0.0 }
+    }
+}

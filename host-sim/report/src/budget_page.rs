@@ -10,9 +10,6 @@ use files::format::significant;
 use files::output::OutputError;
 use pages::markup::{Column, list, note, number_cell, paragraph, section, table, text};
 
-/// Causes below this part of the whole are joined in one line.
-const LEAST: f64 = 0.01;
-
 /// Length of the longest bar, units of the drawing.
 const LONGEST: f64 = 100.0;
 
@@ -62,7 +59,7 @@ fn of_motion(motion: &MotionBudget) -> Markup {
 
 /// The table of the causes with their bars.
 fn bars(motion: &MotionBudget) -> Markup {
-    let is_shown = |cause: &&CauseShare| cause.share.rms.abs() >= LEAST * motion.whole.rms;
+    let (shown, others) = motion.shown();
     let longest_um = motion.causes.iter().map(|cause| cause.share.rms.abs()).fold(1e-12, f64::max);
     let columns = [
         Column::Words("cause"),
@@ -75,14 +72,11 @@ fn bars(motion: &MotionBudget) -> Markup {
         Column::Words("what to do"),
     ];
     let rows = html! {
-        @for cause in motion.causes.iter().filter(is_shown) { (row(cause, longest_um)) }
+        @for cause in shown { (row(cause, longest_um)) }
     };
-    let hidden = motion.causes.iter().filter(|cause| !is_shown(cause)).count();
     html! {
         (table(&columns, &rows))
-        @if hidden > 0 {
-            (note(&format!("{hidden} more below {} µm.", significant(LEAST * motion.whole.rms, 2))))
-        }
+        @if let Some(others) = &others { (note(others)) }
     }
 }
 
@@ -133,11 +127,8 @@ mod tests {
         let page = html(&budget);
         assert!(page.contains("backlash of x") && page.contains("compensate: half of the width"), "{page}");
         // One bar for each cause that is shown; the longest is as long as the drawing.
-        let shown = budget.motions[0]
-            .causes
-            .iter()
-            .filter(|cause| cause.share.rms.abs() >= LEAST * budget.motions[0].whole.rms)
-            .count();
+        let shown = budget.motions[0].shown().0.len();
+        assert!(shown > 4, "{shown}");
         assert_eq!(page.matches("class=\"bar\"").count(), shown);
         assert_eq!(page.matches("width=\"100.00\"").count(), 1);
     }

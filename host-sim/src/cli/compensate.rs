@@ -19,7 +19,6 @@ use files::output::{create_folder, write_whole};
 use margins::MarginLimits;
 use margins::axis_margins::{self, AxisMargins, MarginError};
 use model::machine::Machine;
-use motion::Motion;
 use plant::instruments::Instruments;
 
 /// Motions whose contour error counts if none is given.
@@ -179,30 +178,14 @@ impl LoopsBeforeAfter {
 /// The motions of files, or the default ones.
 pub fn test_motions(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, InputError> {
     if paths.is_empty() {
-        let of = |(source, text): (&str, &str)| {
-            Ok(TestMotion {
-                motion: Motion::parse(text, source)?,
-                source: source.to_owned(),
-                start_s,
-                settle_s: 0.0,
-            })
-        };
-        return MOTIONS.into_iter().map(of).collect();
+        return MOTIONS.into_iter().map(|(source, text)| TestMotion::parse(text, source, start_s)).collect();
     }
     motions_of(paths, start_s)
 }
 
 /// The motions of these files.
 pub fn motions_of(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, InputError> {
-    let of = |path: &PathBuf| {
-        Ok(TestMotion {
-            motion: Motion::read(path)?,
-            source: path.display().to_string(),
-            start_s,
-            settle_s: 0.0,
-        })
-    };
-    paths.iter().map(of).collect()
+    paths.iter().map(|path| TestMotion::read(path, start_s)).collect()
 }
 
 /// A model that lacks a key, or a setting that the controller refuses, is an error of the input.

@@ -110,10 +110,7 @@ fn check_plant(declared: &Machine, plant: &Machine, file: &Path) -> Result<(), I
 /// The motions of the fit, one after the other on the session clock, and those that are judged, all at the time at which the
 /// compensation is set, after them.
 fn motions_of(arguments: &Arguments) -> Result<(Vec<TestMotion>, Vec<TestMotion>), InputError> {
-    let read = |path: &PathBuf, start_s: f64| {
-        let source = path.display().to_string();
-        Ok(TestMotion { motion: Motion::read(path)?, source, start_s, settle_s: 0.0 })
-    };
+    let read = |path: &PathBuf, start_s: f64| TestMotion::read(path, start_s);
     let fit = arguments.fit.iter().zip(0u32..);
     let fit: Vec<TestMotion> =
         fit.map(|(path, number)| read(path, MOTION_EVERY_S * f64::from(number))).collect::<Result<_, _>>()?;

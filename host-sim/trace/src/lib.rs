@@ -105,6 +105,8 @@ pub fn trace_with(
 }
 
 fn run(job: &Job<'_>, logs: Logs<'_>) -> Result<Identification, InputError> {
+    let machine = &job.machine.clone().named_as_logs(logs.into_iter().flatten());
+    let job = &Job { machine, ..*job };
     let admitted = admit(job, logs)?;
     let repaired = repair(job, admitted)?;
     let of_axes = repaired.map_axes(|axis| {

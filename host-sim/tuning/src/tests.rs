@@ -1,6 +1,5 @@
 use super::*;
 use margins::axis_margins::AxisLoops;
-use motion::Motion;
 
 /// A rigid axis: 100 kg, velocity loop at 8 kHz, position loop at 2 kHz, no lag of drive or sensors.
 const RIGID: &str = r#"name = "rigid"
@@ -63,8 +62,7 @@ fn a_proposal_has_its_margins_and_a_smaller_error() {
     let machine = machine(model::examples::DEMO_MACHINE);
     let limits = MarginLimits { gain_db: 8.0, phase_deg: 40.0 };
     let circle = include_str!("../../motions/demo_ballbar.toml");
-    let motion = Motion::parse(circle, "demo_ballbar.toml").unwrap();
-    let tests = [TestMotion { motion, source: "demo_ballbar.toml".to_owned(), start_s: 0.0, settle_s: 0.0 }];
+    let tests = [TestMotion::parse(circle, "demo_ballbar.toml", 0.0).unwrap()];
     let instruments = Instruments::of(&machine, 1);
     let tuning = Tuning { machine: &machine, instruments, limits, tests: &tests };
     let proposal = tuning.propose().unwrap();

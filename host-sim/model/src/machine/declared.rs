@@ -1,5 +1,6 @@
 //! The declared machine.
 
+use files::log::{Log, Unit};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use shared::config::Rates;
@@ -44,11 +45,14 @@ impl Machine {
         rotary::to_rotary(text, &rotary)
     }
 
-    /// This machine with the names of rotary axes on the axes whose logs are in degrees, unless one of their keys is that of a linear axis.
+    /// This machine with the names of rotary axes on the axes that logs have in degrees, unless one of their keys is that of a linear axis.
     #[must_use]
-    pub fn named_as_logs(mut self, is_in_degrees: impl Fn(&str) -> bool) -> Self {
-        for (name, axis) in &mut self.axis {
-            if is_in_degrees(name) && rotary::is_neutral(&axis.settings) {
+    pub fn named_as_logs<'a>(mut self, logs: impl IntoIterator<Item = &'a Log>) -> Self {
+        let of_logs = logs.into_iter().flat_map(|log| &log.axes);
+        for in_degrees in of_logs.filter(|axis| axis.unit == Unit::Degree) {
+            if let Some(axis) = self.axis.get_mut(&in_degrees.name)
+                && rotary::is_neutral(&axis.settings)
+            {
                 axis.settings.names = KeyNames::Rotary;
             }
         }

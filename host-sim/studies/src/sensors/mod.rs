@@ -23,7 +23,6 @@ use margins::MarginLimits;
 use margins::axis_margins::{self, AxisMargins, MarginError};
 use model::axis::{Feedback, Law};
 use model::machine::Machine;
-use motion::Motion;
 use plant::instruments::Instruments;
 use row::{CrossoverPoint, GainPoint, Row};
 
@@ -88,10 +87,7 @@ pub struct SensorStudy {
 /// If the machine does not complete a motion.
 pub fn run(progress: &dyn Fn(&str)) -> Result<SensorStudy, SensorsError> {
     let machine = Machine::parse(MACHINE, "machine.toml")?;
-    let tests = MOTIONS.map(|(source, text)| {
-        let motion = Motion::parse(text, source)?;
-        Ok(TestMotion { motion, source: source.to_owned(), start_s: 0.0, settle_s: 0.0 })
-    });
+    let tests = MOTIONS.map(|(source, text)| TestMotion::parse(text, source, 0.0));
     let tests: Vec<TestMotion> = tests.into_iter().collect::<Result<_, InputError>>()?;
     let limits = MarginLimits::default();
     let rows = LOOPS.into_iter().map(|(feedback, law)| {

@@ -53,12 +53,7 @@ fn the_resonance_limits_the_gain_of_the_full_closed_loop_most() {
 #[test]
 fn the_scale_takes_away_most_of_the_contour_error() {
     let text = MOTIONS[0].1;
-    let test = TestMotion {
-        motion: Motion::parse(text, "circle.toml").unwrap(),
-        source: String::new(),
-        start_s: 0.0,
-        settle_s: 0.0,
-    };
+    let test = TestMotion::parse(text, "circle.toml", 0.0).unwrap();
     let [motor, table, dual] = of_sensors(|feedback| {
         let machine = machine(feedback, Law::P);
         let instruments = Instruments::of(&machine, SEED);

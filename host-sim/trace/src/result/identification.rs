@@ -12,7 +12,6 @@ use crate::input::signals::Signals;
 use crate::judge::axis_findings::AxisFindings;
 use crate::options::TraceOptions;
 use crate::search::ambiguity::Ambiguity;
-use files::log::Unit;
 use model::effects::Effect;
 use model::machine::Machine;
 use model::machine::evidence::{Certainty, Evidence};
@@ -125,14 +124,8 @@ impl Identification {
     /// The machine with fitted values and with the effects found.
     #[must_use]
     pub fn better_machine(&self) -> Machine {
-        let is_in_degrees =
-            |name: &str| self.axes.iter().any(|axis| axis.axis == name && axis.unit == Unit::Degree);
-        let names = self.declared.machine.clone().named_as_logs(is_in_degrees);
         let models = self.axes.iter().map(|axis| (axis.axis.as_str(), &axis.model));
         let mut better = better_machine(&self.declared.machine, models);
-        for (axis, named) in better.axis.values_mut().zip(names.axis.values()) {
-            axis.settings.names = named.settings.names;
-        }
         for axis in &self.axes {
             if let Some(written) = better.axis.get_mut(&axis.axis) {
                 written.evidence = axis.evidence(&written.effect);

@@ -10,7 +10,6 @@ use compensate::{CompensationFile, Plan};
 use contour::LoggedMotion;
 use files::log::{Channel, Log};
 use model::machine::Machine;
-use motion::Motion;
 use plant::instruments::Instruments;
 
 /// The machine without undeclared effects.
@@ -56,12 +55,7 @@ pub fn changed(text: &str, from: &str, to: &str) -> String {
 
 /// A motion that starts at a time on the session clock, s.
 pub fn motion(text: &str, start_s: f64) -> TestMotion {
-    TestMotion {
-        motion: Motion::parse(text, "motion.toml").unwrap(),
-        source: "motion.toml".to_owned(),
-        start_s,
-        settle_s: 0.0,
-    }
+    TestMotion::parse(text, "motion.toml", start_s).unwrap()
 }
 
 pub fn machine(text: &str) -> Machine {

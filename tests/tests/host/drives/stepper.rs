@@ -7,7 +7,6 @@ use super::{
 use compensate::planning::Planning;
 use compensate::prediction::TestMotion;
 use files::log::Log;
-use motion::Motion;
 use plant::instruments::Instruments;
 use shared::compensate::CompensationSettings;
 use std::f64::consts::TAU;
@@ -137,12 +136,7 @@ fn what_is_found_is_compensated_without_masses() {
     let model = traced(&axis, false, 5).better_machine();
     let motion = "name = \"there and back\"\nfeed_mm_per_min = 1200.0\nacceleration_m_per_s2 = 0.5\nstart_mm = { x = -46.0 }\n\
                   [[block]]\nline_to_mm = { x = 46.0 }\n[[block]]\nline_to_mm = { x = -46.0 }\n";
-    let test = TestMotion {
-        motion: Motion::parse(motion, "motion.toml").unwrap(),
-        source: "motion.toml".to_owned(),
-        start_s: 0.0,
-        settle_s: 0.0,
-    };
+    let test = TestMotion::parse(motion, "motion.toml", 0.0).unwrap();
     let planning = Planning {
         model: &model,
         model_file: "machine.toml",
