@@ -19,7 +19,7 @@ long=(
   model_again::a_model_of_a_case_is_stable model_again::a_model_of_measured_data_is_stable
   incomplete_logs::sweep::parts_of_the_blind_cases
   init::cases::all_other_cases init::measured::emps
-  pages_in_browser::
+  pages_in_browser:: app_in_browser::
   budget::second_simulator::the_first_cause_is_the_true_one_on_fifty_machines
 )
 
@@ -35,8 +35,11 @@ install_tools() {
   command -v qemu-system-arm >/dev/null || install_emulator
 }
 
-# Looks at pages in `all`.
+# Looks at pages in `all`, and runs the tracer in one.
 install_browser() {
+  if command -v rustup >/dev/null; then
+    rustup target list --installed | grep -qx wasm32-unknown-unknown || rustup target add wasm32-unknown-unknown
+  fi
   command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null || {
     local as_root=""
     [ "$(id -u)" = 0 ] || as_root="$(command -v sudo || true)"

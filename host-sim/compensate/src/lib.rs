@@ -3,6 +3,7 @@
 //! - [`tables`], [`cycles`], [`force`]: the effects of a model as settings of the compensations in `shared`
 //! - [`servo`]: deviations of the drive's gains as changes of its settings
 //! - [`prediction`]: the contour error of the model with and without a compensation
+//! - [`counted_motions`]: the motions whose contour error counts
 //! - [`plan`]: the compensation of a model, without the items that the prediction does not support
 //! - `choice`: what of a possible compensation is used; [`watched`]: motions that it may not make worse, such as the
 //!   [`standard_motions`]
@@ -20,6 +21,7 @@ pub mod alignment;
 mod capacity;
 mod choice;
 pub mod controller_host;
+pub mod counted_motions;
 pub mod cycles;
 pub mod file;
 pub mod force;

@@ -21,16 +21,29 @@ const SEGMENT: usize = 1 << 22;
 /// If the file cannot be read.
 pub fn open<'a>(path: &Path, source: &str) -> Result<Box<dyn Read + 'a>, InputError> {
     let unreadable = |cause: io::Error| InputError::unreadable(source, &cause);
-    let mut file: Box<dyn Read> = if source == "-" {
+    let file: Box<dyn Read> = if source == "-" {
         Box::new(io::stdin().lock())
     } else {
         Box::new(File::open(path).map_err(unreadable)?)
     };
-    let mut start = Vec::new();
-    file.by_ref().take(GZIP_MAGIC.len() as u64).read_to_end(&mut start).map_err(unreadable)?;
     let has_suffix = path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("gz"));
-    let is_gzip = start == GZIP_MAGIC || (has_suffix && !start.is_empty());
-    let whole = io::Cursor::new(start).chain(file);
+    unpacked(file, has_suffix, source)
+}
+
+/// An input, decompressed if it is a gzip file by its first bytes, or by its name (`is_named_gzip`).
+///
+/// # Errors
+/// If it cannot be read.
+pub fn unpacked<'a>(
+    mut input: Box<dyn Read + 'a>,
+    is_named_gzip: bool,
+    source: &str,
+) -> Result<Box<dyn Read + 'a>, InputError> {
+    let mut start = Vec::new();
+    let read = input.by_ref().take(GZIP_MAGIC.len() as u64).read_to_end(&mut start);
+    read.map_err(|cause| InputError::unreadable(source, &cause))?;
+    let is_gzip = start == GZIP_MAGIC || (is_named_gzip && !start.is_empty());
+    let whole = io::Cursor::new(start).chain(input);
     Ok(if is_gzip { Box::new(Unpacked(MultiGzDecoder::new(whole))) } else { Box::new(whole) })
 }
 

@@ -35,6 +35,8 @@ pub mod numpy;
 pub mod parquet_table;
 pub mod read;
 pub mod request;
+// A page writes no files.
+#[cfg(not(target_family = "wasm"))]
 pub mod save;
 pub mod separated;
 pub mod table;

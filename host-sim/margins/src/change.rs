@@ -1,6 +1,7 @@
 //! Whether a change of the settings of a machine's drives leaves its loops too little margin.
 
 use super::axis_margins::{AxisLoops, LoopMargins, MarginError, MarginLimits};
+use files::error::InputError;
 use model::machine::Machine;
 use plant::instruments::Instruments;
 
@@ -15,6 +16,15 @@ pub struct TooLittle {
     pub found: String,
     /// What it must have, in words.
     pub expected: String,
+}
+
+impl TooLittle {
+    /// The error of the file (`source`) whose compensation makes the change.
+    #[must_use]
+    pub fn error(&self, source: &str) -> InputError {
+        let expected = format!("settings that leave the {} loop {}", self.loop_name, self.expected);
+        InputError::expected(source, expected, &self.found).at_key(&format!("axis.{}.controller", self.axis))
+    }
 }
 
 /// The first loop whose margins a change takes below the limits: it is below them after the change, and was not as low

@@ -20,7 +20,8 @@ use markup::text;
 /// Name of the page in its folder.
 pub const FILE_NAME: &str = "report.html";
 
-const STYLE: &str = include_str!("style.css");
+/// The stylesheet of every page.
+pub const STYLE: &str = include_str!("style.css");
 
 /// The script of the circles: a slider for the magnification, the deviation under the pointer.
 const POLAR: &str = include_str!("polar.js");

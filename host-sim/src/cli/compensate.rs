@@ -10,6 +10,7 @@ use super::input_error::Inputs;
 use super::margins::LimitArguments;
 use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
+use compensate::counted_motions::{self, SETTLE_S};
 use compensate::planning::Planning;
 use compensate::prediction::{PredictionError, TestMotion};
 use compensate::{CompensationFile, standard_motions, text};
@@ -20,15 +21,6 @@ use margins::MarginLimits;
 use margins::axis_margins::{self, AxisMargins, MarginError};
 use model::machine::Machine;
 use plant::instruments::Instruments;
-
-/// Motions whose contour error counts if none is given.
-const MOTIONS: [(&str, &str); 2] = [
-    ("motions/circle.toml", include_str!("../../motions/circle.toml")),
-    ("motions/corner.toml", include_str!("../../motions/corner.toml")),
-];
-
-/// Time for which another control has compensated before a motion, s.
-const SETTLE_S: f64 = 1.0;
 
 /// Arguments of `compensate`.
 #[derive(clap::Args)]
@@ -177,10 +169,7 @@ impl LoopsBeforeAfter {
 
 /// The motions of files, or the default ones.
 pub fn test_motions(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, InputError> {
-    if paths.is_empty() {
-        return MOTIONS.into_iter().map(|(source, text)| TestMotion::parse(text, source, start_s)).collect();
-    }
-    motions_of(paths, start_s)
+    if paths.is_empty() { counted_motions::default(start_s) } else { motions_of(paths, start_s) }
 }
 
 /// The motions of these files.

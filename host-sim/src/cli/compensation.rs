@@ -66,11 +66,7 @@ pub fn check_margins(
 ) -> Result<(), InputError> {
     let instruments = Instruments::of(machine, 0);
     match first_too_little(machine, &file.applied_to(machine), &instruments, limits) {
-        Ok(Some(refused)) => {
-            let expected = format!("settings that leave the {} loop {}", refused.loop_name, refused.expected);
-            let key = format!("axis.{}.controller", refused.axis);
-            Err(InputError::expected(source, expected, refused.found).at_key(&key))
-        }
+        Ok(Some(refused)) => Err(refused.error(source)),
         Ok(None) | Err(_) => Ok(()),
     }
 }

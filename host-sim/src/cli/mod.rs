@@ -1,5 +1,6 @@
 //! The command line: arguments, results on stdout, progress on stderr, exit codes.
 
+mod app;
 mod argument_error;
 mod batch;
 mod board;
@@ -89,6 +90,8 @@ enum Command {
     Improve(improve::Arguments),
     /// Propose gains, control law, feedback and feed-forward from the plant of a machine file, with their margins.
     Tune(tune::Arguments),
+    /// Write the tracer as one HTML file, in which anybody reads logs in a browser, without a network.
+    App(app::Arguments),
     /// Compare the contour error of the same motions before and after a change with each other and with the prediction.
     Verify(verify::Arguments),
 }
@@ -107,6 +110,7 @@ pub fn run() -> ExitCode {
         Command::Positions(arguments) => positions::run(&arguments),
         Command::Compensate(arguments) => compensate::run(&arguments),
         Command::Budget(arguments) => budget::run(&arguments),
+        Command::App(arguments) => app::run(&arguments),
         Command::Margins(arguments) => margins::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),

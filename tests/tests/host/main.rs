@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod added_force;
+mod app_in_browser;
 mod blind_cases;
 mod board_setup;
 mod budget;

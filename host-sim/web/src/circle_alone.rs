@@ -1,0 +1,52 @@
+//! The parts of a circle, as `lost-motion circle`.
+
+use circle::measured::Measured;
+use circle::radius_table::Nominal;
+use circle::{analyse, json as circle_json, text};
+use files::error::InputError;
+use files::table::Table;
+use report::circle_page;
+use serde_json::{Value, json};
+use std::io::Cursor;
+
+use crate::log_file::{Content, content};
+use crate::request::{Circle, DroppedFile};
+
+/// The result as the JSON of the command line, the page, and the sentences.
+///
+/// # Errors
+/// Files that are no circle, in one line.
+pub fn of_files(request: &Circle, files: &[DroppedFile<'_>]) -> Result<Value, String> {
+    if let Some(radius) = request.radius_mm.filter(|radius| !(radius.is_finite() && *radius > 0.0)) {
+        return Err(format!("expected a radius above 0 mm, found {radius}"));
+    }
+    let analysis = measured(request, files).and_then(analyse).map_err(|error| error.to_string())?;
+    Ok(json!({
+        "json": circle_json::of(&analysis),
+        "page": circle_page::html(&analysis),
+        "summary": text::of(&analysis),
+    }))
+}
+
+fn measured(request: &Circle, files: &[DroppedFile<'_>]) -> Result<Measured, InputError> {
+    let (mut logs, mut tables) = (Vec::new(), Vec::new());
+    for file in files {
+        match content(file)? {
+            Content::Log(imported) => logs.push(imported.log),
+            Content::Radii(bytes, _) => {
+                tables.push((Table::of_input(Box::new(Cursor::new(bytes)), &file.name)?, file.name.clone()));
+            }
+        }
+    }
+    match (tables.is_empty(), logs.is_empty()) {
+        (true, _) => Measured::of_logs(&logs),
+        (false, true) => {
+            let nominal = Nominal { radius_mm: request.radius_mm, ..Nominal::default() };
+            Measured::of_radius_tables(tables, nominal)
+        }
+        (false, false) => {
+            let expected = "a table of radii, as the others are";
+            Err(InputError::expected(&logs[0].source, expected, "a log"))
+        }
+    }
+}

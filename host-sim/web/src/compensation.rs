@@ -1,0 +1,51 @@
+//! A compensation as files of a control, as `lost-motion compensate --format`.
+
+use clap::ValueEnum;
+use compensate::counted_motions::{self, SETTLE_S};
+use compensate::planning::Planning;
+use compensate::{standard_motions, text};
+use controls::Control;
+use margins::MarginLimits;
+use margins::change::first_too_little;
+use model::machine::Machine;
+use plant::instruments::Instruments;
+use serde_json::{Value, json};
+
+use trace::Progress;
+use crate::request::Compensate;
+
+/// The files for the control with their remarks, the compensation file of our own controller, and what is compensated.
+///
+/// # Errors
+/// A model that cannot be simulated, in one line.
+pub fn of_model(request: &Compensate, progress: &Progress<'_>) -> Result<Value, String> {
+    let control = Control::from_str(&request.control, true)?;
+    let model = Machine::parse(&request.model, "machine file").map_err(|error| error.to_string())?;
+    progress("simulating the motions with and without each compensation");
+    let mut tests = counted_motions::default(0.0).map_err(|error| error.to_string())?;
+    let mut watched = standard_motions::all(&model, &tests, 0.0).map_err(|error| error.to_string())?;
+    tests.iter_mut().chain(&mut watched).for_each(|test| test.settle_s = SETTLE_S);
+    let planning = Planning {
+        model: &model,
+        model_file: "machine file",
+        tests: &tests,
+        watched: &watched,
+        instruments: Instruments::of(&model, 1),
+        set_at_s: 0.0,
+    };
+    let plan = planning.plan().map_err(|error| error.to_string())?;
+    let after = plan.file.applied_to(&model);
+    if let Ok(Some(refused)) =
+        first_too_little(&model, &after, &planning.instruments, MarginLimits::default())
+    {
+        return Err(refused.error("compensation").to_string());
+    }
+    let written = controls::write(control, &model, &plan.file);
+    let files = written.files.iter().map(|file| json!({"name": file.name, "text": file.text}));
+    Ok(json!({
+        "files": files.collect::<Value>(),
+        "remarks": written.remarks,
+        "compensation": plan.file.to_toml().map_err(|error| error.to_string())?,
+        "summary": text::of(&plan),
+    }))
+}

@@ -1,0 +1,109 @@
+//! A dropped file as a log, or what is missing to read it.
+
+use files::error::InputError;
+use files::head::Head;
+use files::log::{AxisLog, Channel, Log, Unit};
+use files::segments::unpacked;
+use files::table::Table;
+use import::budget::Budget;
+use import::{Foreign, Imported, any_log, ballbar, read};
+use serde_json::{Value, json};
+use std::io::Cursor;
+
+use crate::request::DroppedFile;
+
+/// What a file holds.
+pub enum Content {
+    /// A log, and what was assumed of it.
+    Log(Imported),
+    /// A table of radii of a ballbar, and what was assumed of it.
+    Radii(Vec<u8>, Vec<String>),
+}
+
+/// Reads a file, packed by gzip or not.
+///
+/// # Errors
+/// As [`any_log::read`].
+pub fn content(file: &DroppedFile<'_>) -> Result<Content, InputError> {
+    let input = unpacked(Box::new(file.bytes), false, &file.name)?;
+    let head = Head::of(input, &file.name)?;
+    if ballbar::has_radius(&head.names()) {
+        let bytes = Budget::file().read(head.into_input(), &file.name)?;
+        return Ok(Content::Radii(bytes, Vec::new()));
+    }
+    Ok(match any_log::log_or_ballbar(head, &file.name, &file.reading)? {
+        Foreign::Log(imported) => Content::Log(imported),
+        Foreign::Ballbar(table) => {
+            let notes = table.notes.clone();
+            Content::Radii(table.csv().into_bytes(), notes)
+        }
+    })
+}
+
+/// The logs of files, those of the fit and those that are held out.
+///
+/// # Errors
+/// The first file that is no log.
+pub fn logs(files: &[DroppedFile<'_>]) -> Result<[Vec<Log>; 2], String> {
+    let [mut fit, mut held_out] = [const { Vec::new() }; 2];
+    for file in files {
+        match content(file).map_err(|error| error.to_string())? {
+            Content::Log(imported) if file.is_held_out => held_out.push(imported.log),
+            Content::Log(imported) => fit.push(imported.log),
+            Content::Radii(..) => return Err(ballbar::no_log(&file.name).to_string()),
+        }
+    }
+    Ok([fit, held_out])
+}
+
+/// What the page shows of a file.
+#[must_use]
+pub fn look(file: &DroppedFile<'_>) -> Value {
+    match content(file) {
+        Ok(Content::Log(Imported { log, notes })) => json!({
+            "name": file.name,
+            "kind": "log",
+            "seconds": log.sample_time_s * log.len() as f64,
+            "rate_hz": 1.0 / log.sample_time_s,
+            "axes": log.axes.iter().map(axis).collect::<Value>(),
+            "notes": notes,
+        }),
+        Ok(Content::Radii(bytes, notes)) => json!({
+            "name": file.name,
+            "kind": "radii",
+            "columns": Table::of_input(Box::new(Cursor::new(&bytes)), &file.name).map_or_else(|_| Vec::new(), |table| table.names().to_vec()),
+            "notes": notes,
+        }),
+        Err(error) => json!({
+            "name": file.name,
+            "kind": "unknown",
+            "error": error.to_string(),
+            "columns": columns(file),
+        }),
+    }
+}
+
+fn axis(axis: &AxisLog) -> Value {
+    let has = Channel::ALL.into_iter().filter(|channel| axis.channel(*channel).is_some());
+    json!({
+        "name": axis.name,
+        "unit": if axis.unit == Unit::Degree { "deg" } else { "mm" },
+        "columns": has.map(|channel| axis.column(channel)).collect::<Value>(),
+    })
+}
+
+/// The columns of a file whose channels are not known, each with its unit and its first values.
+fn columns(file: &DroppedFile<'_>) -> Value {
+    /// Values that are shown of a column.
+    const SHOWN: usize = 3;
+    let read = || -> Result<Value, InputError> {
+        let bytes = Budget::file().read(unpacked(Box::new(file.bytes), false, &file.name)?, &file.name)?;
+        let table = read::table(&bytes, file.reading.preset, &file.name, &mut Vec::new())?;
+        let shown = table.columns.iter().map(|column| {
+            let first: Vec<f64> = column.values.iter().take(SHOWN).copied().collect();
+            json!({"name": column.name, "unit": column.unit, "first": first})
+        });
+        Ok(shown.collect())
+    };
+    read().unwrap_or_else(|_| json!([]))
+}
