@@ -1,5 +1,8 @@
 //! Pages in headless Chromium: at 390, 768 and 1280 pixels nothing scrolls sideways and no script fails; the slider of a circle changes what is
-//! drawn, and the pointer shows the deviation under it. `run.sh all` installs Chromium; without it, the test says so and passes.
+//! drawn, and the pointer shows the deviation under it; pictures and tables are saved as files; nothing hinders keyboards and screen readers.
+//! `run.sh all` installs Chromium; without it, the test says so and passes.
+
+mod axe;
 
 use std::fs;
 use std::path::Path;
@@ -7,44 +10,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-/// Loads a page in frames of these widths, moves the first slider and the pointer, and writes what it saw as JSON.
-const HARNESS: &str = r#"<!doctype html><body><script>
-const seen = [];
-const widths = [390, 768, 1280];
-const settled = () => new Promise((done) => setTimeout(done, 200));
-async function look(width) {
-  const frame = document.createElement("iframe");
-  frame.style.cssText = `width:${width}px;height:900px;border:0`;
-  const errors = [];
-  document.body.append(frame);
-  await new Promise((done) => { frame.onload = done; frame.src = "PAGE"; });
-  const inside = frame.contentWindow, page = frame.contentDocument;
-  inside.addEventListener("error", (event) => errors.push(event.message));
-  await settled();
-  const result = { width, errors, scroll: page.documentElement.scrollWidth };
-  const slider = page.querySelector("input[type=range]");
-  if (slider) {
-    const svg = page.querySelector("svg[data-division]"), line = svg.querySelector("polyline");
-    const span = () => { const box = line.getBBox(); return box.width; };
-    const said = () => slider.parentElement.querySelector("output").textContent;
-    result.before = span();
-    slider.value = 2;
-    slider.dispatchEvent(new inside.Event("input"));
-    result.after = span();
-    result.division = said();
-    const box = svg.getBoundingClientRect();
-    svg.dispatchEvent(new inside.PointerEvent("pointermove", { clientX: box.left + 0.9 * box.width, clientY: box.top + 0.5 * box.height }));
-    result.hover = said();
-  }
-  seen.push(result);
-  frame.remove();
-}
-(async () => {
-  for (const width of widths) await look(width);
-  document.body.innerHTML = "<pre id=result></pre>";
-  document.getElementById("result").textContent = JSON.stringify(seen);
-})();
-</script>"#;
+const HARNESS: &str = include_str!("harness.html");
 
 fn chromium() -> Option<&'static str> {
     let runs = |name: &&str| Command::new(name).arg("--version").output().is_ok();
@@ -59,7 +25,7 @@ fn seen(browser: &str, page: &Path) -> Vec<Value> {
     let profile = tempfile::tempdir().unwrap();
     let output = Command::new(browser)
         .args(["--headless", "--no-sandbox", "--disable-gpu", "--allow-file-access-from-files", "--dump-dom"])
-        .args(["--virtual-time-budget=20000", "--window-size=1400,1000"])
+        .args(["--virtual-time-budget=60000", "--window-size=1400,1000"])
         .arg(format!("--user-data-dir={}", profile.path().display()))
         .arg(format!("file://{}", harness.display()))
         .output()
@@ -67,11 +33,17 @@ fn seen(browser: &str, page: &Path) -> Vec<Value> {
     let dom = String::from_utf8_lossy(&output.stdout);
     let result = dom.split_once("<pre id=\"result\">").and_then(|(_, rest)| rest.split_once("</pre>"));
     let (json, _) = result.unwrap_or_else(|| panic!("{dom}\n{}", String::from_utf8_lossy(&output.stderr)));
-    serde_json::from_str(&json.replace("&amp;", "&").replace("&lt;", "<").replace("&gt;", ">")).unwrap()
+    let json =
+        json.replace("&lt;", "<").replace("&gt;", ">").replace("&nbsp;", "\u{a0}").replace("&amp;", "&");
+    serde_json::from_str(&json).unwrap()
 }
 
-fn check(browser: &str, page: &Path, has_circle: bool) {
-    for seen in seen(browser, page) {
+/// Checks a page, and gives the files that it saves, by name and text.
+fn check(browser: &str, page: &Path, has_circle: bool) -> Vec<(String, String)> {
+    let has_axe = axe::put_beside(page);
+    let mut files = Vec::new();
+    for mut seen in seen(browser, page) {
+        let saved = seen["saved"].take();
         let width = seen["width"].as_f64().unwrap();
         assert_eq!(seen["errors"], serde_json::json!([]), "{seen}");
         assert!(seen["scroll"].as_f64().unwrap() <= width, "{}: {seen}", page.display());
@@ -84,31 +56,91 @@ fn check(browser: &str, page: &Path, has_circle: bool) {
             assert!(hover.starts_with("0.0°") || hover.starts_with("360.0°"), "{seen}");
             assert!(hover.contains("wise") && hover.contains(" µm"), "{seen}");
         }
+        if !saved.is_null() {
+            files = check_saved(&seen, saved.as_array().unwrap());
+            assert_eq!(seen["unnamed"], 0, "each picture has a title: {seen}");
+            let expected = if has_axe { serde_json::json!([]) } else { Value::Null };
+            assert_eq!(seen["hindrances"], expected, "{}", page.display());
+        }
     }
+    assert!(!files.is_empty(), "{}", page.display());
+    assert!(fs::metadata(page).unwrap().len() < 1_000_000, "{}", page.display());
+    files
+}
+
+/// Checks that there is a file for each picture and table, complete by itself.
+fn check_saved(seen: &Value, saved: &[Value]) -> Vec<(String, String)> {
+    let text = |file: &Value, key: &str| file[key].as_str().unwrap().to_owned();
+    let count = |end: &str| saved.iter().filter(|file| text(file, "name").ends_with(end)).count() as u64;
+    let [pictures, tables] = ["pictures", "tables"].map(|key| seen[key].as_u64().unwrap());
+    assert_eq!((count(".svg"), count(".csv")), (pictures, pictures + tables), "{seen}");
+    for file in saved {
+        let (name, content) = (text(file, "name"), text(file, "text"));
+        if name.ends_with(".svg") {
+            assert!(content.starts_with("<svg ") && content.ends_with("</svg>"), "{name}");
+            // A viewer of its own knows neither the namespace nor the stylesheet of the page.
+            assert!(
+                content.contains("xmlns=\"http://www.w3.org/2000/svg\"") && content.contains("stroke:rgb("),
+                "{name}"
+            );
+        } else {
+            let mut reader = csv::ReaderBuilder::new().from_reader(content.as_bytes());
+            let headings = reader.headers().unwrap().len();
+            let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+            assert!(headings > 1 && !rows.is_empty(), "{name}: {content}");
+        }
+    }
+    saved.iter().map(|file| (text(file, "name"), text(file, "text"))).collect()
+}
+
+/// The saved deviation of the measured circle goes from the least to the greatest one of the JSON.
+fn check_circle(files: &[(String, String)], json: &Value) {
+    let (_, csv) =
+        files.iter().find(|(name, _)| name.starts_with("as-measured") && name.ends_with(".csv")).unwrap();
+    let mut reader = csv::ReaderBuilder::new().from_reader(csv.as_bytes());
+    assert_eq!(reader.headers().unwrap(), vec!["curve", "angle, degrees", "radial deviation, µm"]);
+    let rows: Vec<(String, f64, f64)> = reader.deserialize().map(Result::unwrap).collect();
+    for direction in ["clockwise", "counter-clockwise"] {
+        assert!(rows.iter().any(|(curve, ..)| curve == direction), "{direction}");
+    }
+    let um = |key: &str| json["iso_230_4_um"][key].as_f64().unwrap();
+    let [least, greatest] = numerics::min_max(rows.iter().map(|row| row.2));
+    let rounding = 1e-3 * numerics::max_abs(rows.iter().map(|row| row.2));
+    assert!(
+        (least - um("F_min")).abs() < rounding && (greatest - um("F_max")).abs() < rounding,
+        "{least} {greatest} {json}"
+    );
 }
 
 #[test]
-fn pages_do_not_scroll_sideways_and_their_circles_are_magnified() {
+fn pages_are_read_at_every_width_by_keyboard_and_as_files() {
     let Some(browser) = chromium() else {
         eprintln!("no Chromium: the pages were not looked at");
         return;
     };
     let folder = tempfile::tempdir().unwrap();
-    let [of_demo, of_circle, of_budget] = ["demo", "circle", "budget"].map(|name| folder.path().join(name));
+    let [of_demo, of_circle, of_budget, of_trace] =
+        ["demo", "circle", "budget", "trace"].map(|name| folder.path().join(name));
     let run = |arguments: &[&str]| {
         let done = Command::new(tests::program::lost_motion()).args(arguments).output().unwrap();
         assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     };
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("host-sim");
-    let log = folder.path().join("circle.csv");
+    let [log, json] = ["circle.csv", "circle.json"].map(|name| folder.path().join(name));
     let text = |path: &Path| path.to_str().unwrap().to_owned();
     let machine = text(&root.join("machines/demo.toml"));
     run(&["demo", "--seed", "2", "--report", &text(&of_demo)]);
     let motion = text(&root.join("motions/circle.toml"));
     run(&["simulate", "--machine", &machine, "--motion", &motion, "--out", &text(&log)]);
-    run(&["circle", &text(&log), "--report", &text(&of_circle)]);
+    run(&["circle", &text(&log), "--report", &text(&of_circle), "--json", &text(&json)]);
     run(&["budget", "--model", &machine, "--report", &text(&of_budget)]);
+    let limits = ["--limit", "G=8", "--limit", "corner=100", "--serial", "1", "--date", "2026-11-27"];
+    let (log, of_trace_folder) = (text(&log), text(&of_trace));
+    let trace = ["trace", "--machine", &machine, "--fit", &log, "--report", &of_trace_folder];
+    run(&[&trace[..], &limits[..]].concat());
     check(browser, &of_demo.join("report.html"), true);
-    check(browser, &of_circle.join("report.html"), true);
+    let files = check(browser, &of_circle.join("report.html"), true);
+    check_circle(&files, &serde_json::from_str(&fs::read_to_string(json).unwrap()).unwrap());
     check(browser, &of_budget.join("report.html"), false);
+    check(browser, &of_trace.join("report.html"), true);
 }
