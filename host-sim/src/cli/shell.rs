@@ -22,9 +22,8 @@ pub struct CompletionArguments {
 ///
 /// # Errors
 /// If stdout cannot be written.
-pub fn completions(arguments: &CompletionArguments) -> Result<()> {
+pub fn completions(arguments: &CompletionArguments, mut command: Command) -> Result<()> {
     let mut script = Vec::new();
-    let mut command = super::command();
     let name = command.get_name().to_owned();
     generate(arguments.shell, &mut command, name, &mut script);
     // As it is: a script may have characters that a terminal does not show. A closed pipe is not an error.
@@ -46,8 +45,8 @@ pub struct ManArguments {
 ///
 /// # Errors
 /// If a page cannot be written.
-pub fn man(arguments: &ManArguments) -> Result<()> {
-    let mut command = super::command().disable_help_subcommand(true);
+pub fn man(arguments: &ManArguments, command: Command) -> Result<()> {
+    let mut command = command.disable_help_subcommand(true);
     command.build();
     create_folder(&arguments.out_dir)?;
     let pages = pages_of(&command, &arguments.out_dir)?;

@@ -142,5 +142,6 @@ fn pages_are_read_at_every_width_by_keyboard_and_as_files() {
     let files = check(browser, &of_circle.join("report.html"), true);
     check_circle(&files, &serde_json::from_str(&fs::read_to_string(json).unwrap()).unwrap());
     check(browser, &of_budget.join("report.html"), false);
-    check(browser, &of_trace.join("report.html"), true);
+    // The held-out end of the log is no full circle.
+    check(browser, &of_trace.join("report.html"), false);
 }
