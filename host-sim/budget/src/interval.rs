@@ -10,7 +10,7 @@ use model::machine::Machine;
 use crate::cause::Cause;
 
 /// Relative error of a share by the simulation itself: the whole of the machines of another simulator is within it (tests `budget::`).
-const OF_SIMULATION: f64 = 0.05;
+pub const OF_SIMULATION: f64 = 0.05;
 
 /// Relative half width of the 95 % interval of a cause's share; `None`: unknown.
 #[must_use]

@@ -11,12 +11,14 @@
 //! - [`motions`]: motions where none are given
 //! - [`interval`]: what the uncertainty of a cause's values makes of its share
 //! - [`remedy`]: what to do about a cause
+//! - [`limits`]: whether figures at the tool are within limits
 //! - [`traced`]: the budget of what a trace has found
 //! - [`json`], [`text`]: the result for a file, and for a terminal
 
 pub mod cause;
 pub mod interval;
 pub mod json;
+pub mod limits;
 pub mod motions;
 pub mod of_motion;
 pub mod remedy;

@@ -101,6 +101,21 @@ impl MotionBudget {
         (shown, (hidden > 0).then(|| format!("{hidden} more below {} µm.", significant(least_um, 2))))
     }
 
+    /// Relative half width of the 95 % interval of the whole: that of the simulation, and those of the causes that have one.
+    #[must_use]
+    pub fn relative_uncertainty(&self) -> f64 {
+        let square = self.whole.rms.powi(2);
+        if square <= 0.0 {
+            return interval::OF_SIMULATION;
+        }
+        // The square of the whole is the sum of the shares' squares with their signs: it varies by 2·share times the variation of each.
+        let of_cause =
+            |cause: &CauseShare| cause.interval_um.map(|[from, to]| cause.share.rms * 0.5 * (to - from));
+        let variation =
+            self.causes.iter().filter_map(of_cause).map(|product| product.powi(2)).sum::<f64>().sqrt();
+        (variation / square).hypot(interval::OF_SIMULATION)
+    }
+
     /// Rms of the sum of the shares, µm.
     #[must_use]
     pub fn sum_um(&self) -> f64 {

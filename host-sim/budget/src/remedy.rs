@@ -1,7 +1,6 @@
 //! What to do about a cause.
 
 use model::axis::Drive;
-use model::effects::EffectCompensation;
 use model::machine::Machine;
 use model::machine::evidence::Certainty;
 
@@ -23,12 +22,7 @@ pub fn of(cause: &Cause, machine: &Machine) -> String {
         }
         Cause::Friction(axis) => of_friction(machine.axis[*axis].settings.controller.drive).to_owned(),
         Cause::Stiffness(_) => "compensate: the stretch of the drive is added to the command".to_owned(),
-        Cause::Effect(axis, effect) => match machine.axis[*axis].effect[*effect].compensation() {
-            EffectCompensation::Not { instead, .. } => instead.to_owned(),
-            compensated @ EffectCompensation::Compensated { .. } => {
-                format!("compensate: {}", compensated.description())
-            }
-        },
+        Cause::Effect(axis, effect) => machine.axis[*axis].effect[*effect].compensation().remedy(),
         Cause::Unexplained(_) => "find its cause: log more channels, or other motions".to_owned(),
         Cause::Noise => "filter the velocity, or lower the gain of the velocity loop".to_owned(),
         Cause::Quantisation => "use an encoder of a finer resolution".to_owned(),

@@ -29,8 +29,8 @@ pub fn of_motion(motion: &MotionBudget) -> String {
         sentence(motion),
         String::new(),
         format!(
-            "{:<26}{:<6}{:>9}{:>18}{:>11}{:>9}{:>12}  remedy",
-            "cause", "axis", "µm rms", "95 % interval", "µm at most", "G µm", "without it"
+            "{:<26}{:<6}{:>9}{:>18}{:>11}{:>9}{:>12}  {:<11}remedy",
+            "cause", "axis", "µm rms", "95 % interval", "µm at most", "G µm", "without it", "certainty"
         ),
     ];
     let (shown, others) = motion.shown();
@@ -65,15 +65,18 @@ pub fn sentence(motion: &MotionBudget) -> String {
 }
 
 impl CauseShare {
-    /// Its name and axis in words.
+    /// Its name and axis in words, with its doubt.
     #[must_use]
     pub fn title(&self) -> String {
-        let name = self.name.replace('_', " ");
         let doubt = if self.certainty == Certainty::Ambiguous { " (ambiguous)" } else { "" };
-        match &self.axis {
-            Some(axis) => format!("{name} of {axis}{doubt}"),
-            None => format!("{name}{doubt}"),
-        }
+        format!("{}{doubt}", self.plain_title())
+    }
+
+    /// Its name and axis in words.
+    #[must_use]
+    pub fn plain_title(&self) -> String {
+        let name = self.name.replace('_', " ");
+        self.axis.as_ref().map_or_else(|| name.clone(), |axis| format!("{name} of {axis}"))
     }
 }
 
@@ -82,7 +85,7 @@ fn row(cause: &CauseShare) -> String {
     let interval =
         cause.interval_um.map_or("unknown".to_owned(), |[from, to]| format!("{} to {}", um(from), um(to)));
     format!(
-        "{:<26}{:<6}{:>9}{:>18}{:>11}{:>9}{:>12}  {}",
+        "{:<26}{:<6}{:>9}{:>18}{:>11}{:>9}{:>12}  {:<11}{}",
         cause.name,
         cause.axis.as_deref().unwrap_or("all"),
         um(cause.share.rms),
@@ -90,6 +93,7 @@ fn row(cause: &CauseShare) -> String {
         um(cause.share.max),
         cause.share.circular.map_or("–".to_owned(), um),
         um(cause.without.rms),
+        cause.certainty.word(),
         cause.remedy
     )
 }

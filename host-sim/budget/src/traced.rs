@@ -1,19 +1,25 @@
 //! The budget of what a trace has found, and the JSON of a trace with it.
 
 use compensate::prediction::PredictionError;
+use contour::log_error::LogError;
+use contour::logged::log_name;
 use files::format::significant;
-use files::log::Unit;
+use files::log::{Channel, Unit};
 use model::effects::Stage;
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde::Serialize;
 use serde_json::Value;
+use trace::data_faults::DataFault;
 use trace::input::signals::Signals;
 use trace::stages::stage_names;
+use trace::verdict::{self, Verdict};
 use trace::{AxisIdentification, Identification};
 
 use crate::Budget;
+use crate::cause;
 use crate::json;
+use crate::limits::{Judged, Judgement, Limit, Trust, judged};
 use crate::motions::{Travel, standard};
 
 /// Seed of the noise of the sensors.
@@ -27,13 +33,15 @@ pub struct Document {
     trace: trace::json::Document,
     /// What each cause costs at the tool on standard motions; `null` if the model has no linear axis or cannot be simulated.
     budget: Option<json::Document>,
+    /// The limits that were asked for, with pass, fail or unknown.
+    limits: Vec<Judgement>,
 }
 
 impl Document {
-    /// The result of a trace with the budget of its model.
+    /// The result of a trace with the budget of its model, and what became of limits.
     #[must_use]
-    pub fn of(trace: trace::json::Document, budget: Option<&Budget>) -> Self {
-        Self { trace, budget: budget.map(json::Document::of) }
+    pub fn of(trace: trace::json::Document, budget: Option<&Budget>, limits: &[Judgement]) -> Self {
+        Self { trace, budget: budget.map(json::Document::of), limits: limits.to_vec() }
     }
 
     /// The document as a JSON value.
@@ -70,6 +78,55 @@ pub fn budget(trace: &Identification) -> Result<Option<Budget>, PredictionError>
     let mut budget = Budget::of(&trace.better_machine(), &standard(&travels), SEED)?;
     budget.notes.extend(trace.axes().iter().flat_map(unexplained));
     Ok(Some(budget))
+}
+
+/// Limits judged by the logs of a trace, else by the budget of its model.
+#[must_use]
+pub fn limits(
+    trace: &Identification,
+    logs: &[LogError],
+    budget: Option<&Budget>,
+    limits: &[Limit],
+) -> Vec<Judgement> {
+    let is_of_contour =
+        |fault: &&DataFault| matches!(fault.channel, None | Some(Channel::Command | Channel::Tool));
+    let faults = trace.axes().iter().flat_map(|axis| axis.data_faults.iter().filter(is_of_contour));
+    let faulty: Vec<String> = faults.map(|fault| log_name(&fault.log)).collect();
+    let (motions, trust) = match budget {
+        Some(budget) => (&budget.motions[..], trust(trace, budget)),
+        None => (&[][..], Trust::None("there is no error budget".to_owned())),
+    };
+    judged(limits, &Judged { logs, faulty: &faulty, motions, trust })
+}
+
+/// How far the budget of a trace counts where nothing was measured.
+fn trust(trace: &Identification, budget: &Budget) -> Trust {
+    let linear = || trace.axes().iter().filter(|axis| axis.unit == Unit::Millimetre);
+    let named = |is: &dyn Fn(&AxisIdentification) -> bool| {
+        linear().filter(|axis| is(axis)).map(|axis| axis.axis.as_str()).collect::<Vec<_>>().join(", ")
+    };
+    let not_described = named(&|axis| verdict::of_axis(axis) == Verdict::ModelDoesNotFit);
+    if !not_described.is_empty() {
+        return Trust::None(format!("the model does not describe the logs of {not_described}"));
+    }
+    if !budget.assumed.is_empty() {
+        return Trust::None("loops or masses of the simulation are assumed".to_owned());
+    }
+    let without_tool = named(&|axis| axis.residual(Stage::Tool).is_none());
+    if !without_tool.is_empty() {
+        return Trust::AtLeast(format!(
+            "errors between {without_tool} and the tool were not measured and come on top"
+        ));
+    }
+    let unexplained = named(&|axis| verdict::of_axis(axis) == Verdict::Unexplained);
+    if !unexplained.is_empty() {
+        return Trust::AtLeast(format!("the residual of {unexplained} is not explained and comes on top"));
+    }
+    if cause::simulated(&trace.better_machine()).1.is_empty() {
+        Trust::Whole
+    } else {
+        Trust::AtLeast("effects that are not in the budget come on top".to_owned())
+    }
 }
 
 /// What remains of the positions of an axis behind its motor, as a sentence each: no simulation has it.

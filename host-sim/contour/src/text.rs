@@ -43,13 +43,13 @@ pub fn of_logs(logs: &[LogError]) -> String {
         "contour error, µm", "channel", "rms", "greatest", "G", "H", "peak", "overshoot"
     );
     let line = |log: &LogError| {
-        let shown = |value: Option<f64>| value.map_or("–".to_owned(), |um| format!("{um:.2}"));
+        let shown = |value: Option<f64>| value.map_or("–".to_owned(), |um| significant(um, 3));
         format!(
-            "{:<24}{:<10}{:>10.3}{:>11.3}{:>9}{:>9}{:>9}{:>16}{}",
+            "{:<24}{:<10}{:>10}{:>11}{:>9}{:>9}{:>9}{:>16}{}",
             log.log,
             log.channel.word(),
-            log.error.rms_um,
-            log.error.max_um,
+            significant(log.error.rms_um, 3),
+            significant(log.error.max_um, 3),
             shown(log.error.circular_um()),
             shown(log.error.hysteresis_um()),
             shown(log.error.reversal_peak_um()),
@@ -62,7 +62,7 @@ pub fn of_logs(logs: &[LogError]) -> String {
 }
 
 fn row(name: &str, rms_um: f64, max_um: f64) -> String {
-    format!("{name:<34}{rms_um:>12.3}{max_um:>12.3}")
+    format!("{name:<34}{:>12}{:>12}", significant(rms_um, 3), significant(max_um, 3))
 }
 
 /// One line for a circle, and one for each of its directions.

@@ -1,11 +1,13 @@
-//! Components of report pages. A page is one HTML file without references to other files; the same result gives the same bytes. Its only
-//! script is that of the circles, which are complete without it.
+//! Components of report pages. A page is one HTML file without references to other files; the same result gives the same bytes. It has one
+//! script, which magnifies circles and saves pictures and tables as files; the page is complete without it.
 //!
 //! - here: the page as a file: head, stylesheet, writing
 //! - [`markup`]: HTML elements that several sections use
+//! - `data`: the figures of a picture, which the page saves as CSV
 //! - [`plot`]: line charts
 //! - [`polar`]: deviations over the angle of a circle, as ballbar users draw them
 
+mod data;
 pub mod markup;
 pub mod plot;
 pub mod polar;
@@ -25,6 +27,9 @@ pub const STYLE: &str = include_str!("style.css");
 
 /// The script of the circles: a slider for the magnification, the deviation under the pointer.
 const POLAR: &str = include_str!("polar.js");
+
+/// The script of the buttons that save pictures and tables.
+const SAVE: &str = include_str!("save.js");
 
 /// Path of the page in a folder, if there is one.
 #[must_use]
@@ -49,7 +54,10 @@ pub fn render(title: &str, lead: &Markup, sections: &Markup) -> String {
                     header { h1 { (text(title)) } (lead) }
                     (sections)
                 }
-                @if sections.0.contains(polar::MARK) { script { (PreEscaped(POLAR)) } }
+                script {
+                    @if sections.0.contains(polar::MARK) { (PreEscaped(POLAR)) }
+                    (PreEscaped(SAVE))
+                }
             }
         }
         "\n"
@@ -72,4 +80,60 @@ pub fn write(folder: &Path, html: &str) -> Result<PathBuf, OutputError> {
 #[must_use]
 pub fn file_name(source: &str) -> &str {
     source.rsplit(['/', '\\']).next().unwrap_or(source)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The value of a variable of a colour scheme: `#rgb` or `#rrggbb`, as parts of 0 to 1.
+    fn colour(scheme: &str, name: &str) -> [f64; 3] {
+        let (_, rest) = scheme.split_once(&format!("--{name}: #")).unwrap();
+        let (digits, _) = rest.split_once(';').unwrap();
+        let width = digits.len() / 3;
+        [0, 1, 2].map(|i| {
+            let value = u8::from_str_radix(&digits[i * width..(i + 1) * width], 16).unwrap();
+            f64::from(value) / if width == 1 { 15.0 } else { 255.0 }
+        })
+    }
+
+    /// Ratio of contrast by WCAG 2.
+    fn contrast(a: [f64; 3], b: [f64; 3]) -> f64 {
+        let linear =
+            |part: f64| if part <= 0.040_45 { part / 12.92 } else { ((part + 0.055) / 1.055).powf(2.4) };
+        let luminance = |c: [f64; 3]| 0.2126 * linear(c[0]) + 0.7152 * linear(c[1]) + 0.0722 * linear(c[2]);
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn words_and_lines_stand_out_in_every_colour_scheme() {
+        let schemes: Vec<&str> = STYLE.split("  color-scheme: light").skip(1).collect();
+        let dark = STYLE.split("prefers-color-scheme: dark").nth(1).unwrap();
+        assert_eq!(schemes.len(), 2, "light and paper");
+        for scheme in [schemes[0], dark, schemes[1]] {
+            let page = colour(scheme, "page");
+            // The words of a page, and those in the colour of a line, have 4.5; lines, 3 (WCAG 2.2, 1.4.3 and 1.4.11).
+            for word in ["ink", "soft", "after", "before"] {
+                let ratio = contrast(page, colour(scheme, word));
+                assert!(ratio >= 4.5, "{word}: {ratio}");
+            }
+            for line in ["cw", "ccw"] {
+                let ratio = contrast(page, colour(scheme, line));
+                assert!(ratio >= 3.0, "{line}: {ratio}");
+            }
+        }
+        assert!((contrast([0.0; 3], [1.0; 3]) - 21.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_page_has_one_script_and_that_of_circles_where_there_is_one() {
+        let plain = render("a", &Markup::default(), &html! { p { "b" } });
+        assert_eq!(plain.matches("<script>").count(), 1);
+        assert!(!plain.contains(POLAR) && plain.contains(SAVE));
+        let circle = PreEscaped(polar::drawing("a", "b", &[], 1.0, ["x", "y"]));
+        let page = render("a", &Markup::default(), &circle);
+        assert_eq!(page.matches("<script>").count(), 1);
+        assert!(page.contains(POLAR) && page.contains(SAVE));
+    }
 }

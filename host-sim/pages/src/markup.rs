@@ -60,24 +60,43 @@ pub enum Column {
     Numbers(&'static str),
 }
 
-/// A table with one row of headings; the rows are markup.
+/// A table with one row of headings; the rows are markup. The caption is read by screen readers and is the name of the saved file.
 #[must_use]
-pub fn table(columns: &[Column], rows: &Markup) -> Markup {
-    html! {
-        div.scroll {
-            table {
-                thead {
-                    tr {
-                        @for column in columns {
-                            @match column {
-                                Column::Words(heading) => th scope="col" { (heading) },
-                                Column::Numbers(heading) => th.n scope="col" { (heading) },
-                            }
-                        }
-                    }
+pub fn table(caption: &str, columns: &[Column], rows: &Markup) -> Markup {
+    let head = html! {
+        tr {
+            @for column in columns {
+                @match column {
+                    // A column of pictures has no heading.
+                    Column::Words("") => td {},
+                    Column::Words(heading) => th scope="col" { (heading) },
+                    Column::Numbers(heading) => th.n scope="col" { (heading) },
                 }
-                tbody { (rows) }
             }
+        }
+    };
+    table_with("", caption, &html! { thead { (head) } tbody { (rows) } })
+}
+
+/// A table of any parts, which scrolls by itself where it is wider than the page, also by keyboard.
+#[must_use]
+pub fn table_with(class: &str, caption: &str, parts: &Markup) -> Markup {
+    html! {
+        div.scroll tabindex="0" role="region" aria-label=(caption) {
+            table class=[(!class.is_empty()).then_some(class)] {
+                caption.unseen { (text(caption)) }
+                (parts)
+            }
+        }
+    }
+}
+
+/// Content that is folded away under a line of plain text; empty if there is none.
+#[must_use]
+pub fn folded(summary: &str, body: &Markup) -> Markup {
+    html! {
+        @if !body.0.is_empty() {
+            details { summary { (text(summary)) } (body) }
         }
     }
 }
@@ -101,23 +120,27 @@ pub fn figure(class: &str, picture: &str, caption: &str) -> Markup {
     }
 }
 
+/// What the script of a page needs to know of a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Attributes<'a> {
+    /// The µm of a division, if it is a circle.
+    pub division_um: Option<f64>,
+    /// Its figures, if it has any; see `data`.
+    pub figures: Option<&'a str>,
+}
+
 /// An SVG element with title and description for screen readers. The size is in units of the drawing; the page scales
 /// it.
 #[must_use]
-pub fn svg(size: (u32, u32), title: &str, description: &str, body: &Markup) -> String {
-    svg_with(size, None, (title, description), body)
-}
-
-/// An SVG element as [`svg`], with the µm of a division if it is a circle.
-#[must_use]
-pub fn svg_with(
+pub fn svg(
     (width, height): (u32, u32),
-    division_um: Option<f64>,
+    attributes: Attributes<'_>,
     (title, description): (&str, &str),
     body: &Markup,
 ) -> String {
+    let Attributes { division_um, figures } = attributes;
     let element = html! {
-        svg viewBox={ "0 0 " (width) " " (height) } role="img" data-division=[division_um] {
+        svg viewBox={ "0 0 " (width) " " (height) } role="img" data-division=[division_um] data-figures=[figures] {
             title { (text(title)) }
             desc { (text(description)) }
             (body)
@@ -176,7 +199,10 @@ mod tests {
         assert_eq!(text("3 ± 1 µm, 5 m").0, "3\u{a0}±\u{a0}1\u{a0}µm, 5 m");
         assert_eq!(section("<", &Markup::default()).0, "");
         assert!(figure("wide", "", "<script>").0.contains("&lt;script&gt;"));
-        assert!(svg((1, 1), "\"<", "", &Markup::default()).contains("<title>&quot;&lt;</title>"));
+        assert!(
+            svg((1, 1), Attributes::default(), ("\"<", ""), &Markup::default())
+                .contains("<title>&quot;&lt;</title>")
+        );
         let entries = [line_entry("a\"b", "<"), surface_entry("a\"b", "<"), point_entry("a\"b", "<")];
         assert_eq!(legend(&entries).0.matches("class=\"a&quot;b\"").count(), 3);
         assert_eq!(legend(&entries).0.matches("&lt;</span> ").count(), 3);
@@ -184,12 +210,22 @@ mod tests {
     }
 
     #[test]
+    fn nothing_is_folded_away_under_a_line_of_its_own() {
+        assert_eq!(folded("more", &Markup::default()).0, "");
+        assert_eq!(
+            folded("<", &note("a")).0,
+            "<details><summary>&lt;</summary><p class=\"small\">a</p></details>"
+        );
+    }
+
+    #[test]
     fn a_table_has_a_heading_for_each_column() {
         let row = html! { tr { td { "a" } (number_cell("1 µm")) } };
-        let table = table(&[Column::Words("name"), Column::Numbers("size")], &row);
+        let table = table("a < b", &[Column::Words("name"), Column::Numbers("size")], &row);
         assert_eq!(
             table.0,
-            "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">name</th><th class=\"n\" scope=\"col\">size</th></tr></thead>\
+            "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"a &lt; b\"><table>\
+             <caption class=\"unseen\">a &lt; b</caption><thead><tr><th scope=\"col\">name</th><th class=\"n\" scope=\"col\">size</th></tr></thead>\
              <tbody><tr><td>a</td><td class=\"n\">1\u{a0}µm</td></tr></tbody></table></div>"
         );
     }

@@ -15,7 +15,8 @@ use plotters::style::{Color, IntoFont, RGBColor, TextStyle};
 
 use maud::PreEscaped;
 
-use super::markup;
+use super::data;
+use super::markup::{self, Attributes};
 use files::format::fixed;
 
 /// Units of a drawing per pixel of the page.
@@ -63,6 +64,11 @@ impl Ink {
     const fn colour(self) -> RGBColor {
         RGBColor(1, 2, self as u8)
     }
+
+    /// Its class in the stylesheet.
+    fn class(self) -> &'static str {
+        INKS.iter().find(|(ink, _)| *ink == self).map_or("", |(_, class)| class)
+    }
 }
 
 /// One curve.
@@ -109,7 +115,11 @@ impl Chart<'_> {
         // The element of plotters has no title, and it has the address of a namespace, which a page does not need.
         let body = drawn.split_once('>').map_or("", |(_, body)| body.trim_start());
         let body = body.trim_end().strip_suffix("</svg>").unwrap_or(body);
-        markup::svg(size, self.title, self.description, &PreEscaped(with_classes(body)))
+        let curves: Vec<data::Curve<'_>> =
+            self.layers.iter().map(|layer| (layer.ink.class(), &layer.points[..])).collect();
+        let figures = data::packed([self.x, self.y], &curves);
+        let attributes = Attributes { figures: Some(&figures), ..Attributes::default() };
+        markup::svg(size, attributes, (self.title, self.description), &PreEscaped(with_classes(body)))
     }
 
     fn draw(&self, area: &Area<'_>) -> Result<(), Failure> {
@@ -249,7 +259,13 @@ mod tests {
         };
         let svg = chart.svg();
         assert!(
-            svg.starts_with("<svg viewBox=\"0 0 1600 800\" role=\"img\"><title>a &lt; b</title>"),
+            svg.starts_with("<svg viewBox=\"0 0 1600 800\" role=\"img\" data-figures=\"time, s\n"),
+            "{svg}"
+        );
+        assert!(
+            svg.contains("\nafter 0,1000 20000,-2000 20000,500\n")
+                || svg.contains("\nafter 0,1000 10000,-2000 10000,500\n")
+                    && svg.contains("<title>a &lt; b</title>"),
             "{svg}"
         );
         assert!(!svg.contains('#') && !svg.contains("http"), "{svg}");

@@ -14,7 +14,7 @@ for (const svg of document.querySelectorAll("svg[data-division]")) {
   const rounded = (um) => Number(um.toPrecision(3)).toString().replace("-", "−");
 
   const slider = Object.assign(document.createElement("input"), { type: "range", min: -2, max: 3, step: 0.1, value: 0 });
-  slider.setAttribute("aria-label", "magnification");
+  slider.setAttribute("aria-label", `magnification: ${svg.querySelector("title").textContent}`);
   const said = document.createElement("output");
   const draw = () => {
     const times = 2 ** slider.valueAsNumber;

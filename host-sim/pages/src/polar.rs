@@ -4,7 +4,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use maud::{Markup, html};
 
-use super::markup::{svg_with, text};
+use super::data;
+use super::markup::{Attributes, svg, text};
 use files::format::signed;
 
 /// The attribute with the µm of a division, by which the script of the page knows a circle.
@@ -51,7 +52,17 @@ pub fn drawing(
         (labels(axes, division_um))
         @for (class, points) in lines { polyline class=(class) points=(path(points)) {} }
     };
-    svg_with((SIDE, SIDE), Some(division_um), (title, description), &body)
+    let degrees: Vec<(&str, Vec<(f64, f64)>)> =
+        lines.iter().map(|(class, points)| (*class, in_degrees(points))).collect();
+    let curves: Vec<data::Curve<'_>> = degrees.iter().map(|(class, points)| (*class, &points[..])).collect();
+    let figures = data::packed(["angle, degrees", "radial deviation, µm"], &curves);
+    let attributes = Attributes { division_um: Some(division_um), figures: Some(&figures) };
+    svg((SIDE, SIDE), attributes, (title, description), &body)
+}
+
+/// The points with their angles in degrees, for a file.
+fn in_degrees(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    points.iter().map(|(angle, um)| (angle.to_degrees(), *um)).collect()
 }
 
 /// Position of a polar point in the picture.

@@ -5,6 +5,7 @@ use trace::AxisIdentification;
 use trace::Identification;
 use trace::fit::axis_model::AxisModel;
 use trace::fit::fit_data::{FitData, ResidualSeries};
+use trace::judge::StageResidual;
 
 /// An axis with its residuals on the validation logs.
 pub struct AxisView<'a> {
@@ -52,6 +53,14 @@ impl<'a> AxisView<'a> {
         let [before, after] = [&self.before, &self.after].map(|all| self.data.rms(all, stage));
         (after - before).abs() > 0.01 * before
     }
+}
+
+/// Whether what remains of a stage is the noise of the sensors.
+pub fn is_at_noise(axis: &AxisIdentification, error: &StageResidual) -> bool {
+    /// Largest residual that counts as noise, in multiples of the noise's rms.
+    const MAX_NOISE_MULTIPLE: f64 = 1.5;
+    let is_noise = error.after.validate <= MAX_NOISE_MULTIPLE * error.noise;
+    is_noise && !axis.unexplained.iter().any(|entry| entry.stage == error.stage)
 }
 
 /// The residual of a stage over one log.

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use contour::ContourError;
 use contour::circle::CircleDeviation;
 use contour::comparison::{Comparison, QUANTITIES};
-use files::format::{fixed, signed, significant};
+use files::format::{signed, significant};
 use pages::markup::{Column, figure, legend, line_entry, note, number_cell, paragraph, table, text};
 use pages::polar::{division_for, drawing, magnification};
 
@@ -50,14 +50,14 @@ pub(crate) fn errors(rows: &[Comparison]) -> Markup {
             tr {
                 th scope="row" { (text(&row.name)) }
                 @for value in row.figures.iter().flatten() {
-                    (number_cell(&value.map_or("–".to_owned(), |um| fixed(um, 2))))
+                    (number_cell(&value.map_or("–".to_owned(), |um| significant(um, 3))))
                 }
             }
         }
     };
     html! {
         (note("G: circular deviation, the larger of both directions (ISO 230-4)."))
-        (table(&columns, &cells))
+        (table("Contour errors of each motion", &columns, &cells))
     }
 }
 

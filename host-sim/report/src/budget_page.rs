@@ -75,7 +75,7 @@ fn bars(motion: &MotionBudget) -> Markup {
         @for cause in shown { (row(cause, longest_um)) }
     };
     html! {
-        (table(&columns, &rows))
+        (table(&format!("Error budget of the motion {}", motion.name), &columns, &rows))
         @if let Some(others) = &others { (note(others)) }
     }
 }

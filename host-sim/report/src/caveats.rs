@@ -47,8 +47,8 @@ pub fn misfit(axis: &AxisIdentification) -> Option<String> {
     }
     let residuals = list_residuals(axis, StageResidual::is_gross, |pair| pair.fit)?;
     Some(format!(
-        "{}: the model does not describe these logs, so that all other results for this axis are unreliable; \
-         residuals: {residuals}. A channel may be wrong (its sign, unit, axis or time), or a declared value.",
+        "{}: nothing that is said of this axis can be relied on, as the model does not describe these logs; \
+         residuals: {residuals}. To do: check sign, unit, axis and time of each channel, then the declared values.",
         axis.axis
     ))
 }

@@ -100,7 +100,7 @@ fn parts(analysis: &Analysis) -> Markup {
         }
     };
     html! {
-        (table(&columns, &rows))
+        (table("Parts of the radial deviation", &columns, &rows))
         (note(&format!(
             "µm: range of the radial deviation of a part alone over all angles and measured directions. Not explained by these parts: {} µm \
              rms.",

@@ -14,6 +14,7 @@
 //! | `circle_plots` | a circle, from `contour::circle_fit` and `radial_deviation` |
 //! | [`circle_page`] | a circle alone, and what it is made of |
 //! | [`positions_page`] | a positioning test: figures, deviation over position, and what it is made of |
+//! | [`certificate`] | the verdict in one sentence, limits, machine and logs |
 //! | [`budget_page`] | what each cause costs at the tool |
 //! | [`before_after`] | motions before, as predicted, and after a compensation |
 //! | [`ranking`] | the candidates of each round |
@@ -22,6 +23,7 @@ mod axis_view;
 pub mod before_after;
 pub mod budget_page;
 mod caveats;
+pub mod certificate;
 pub mod circle_page;
 mod circle_plots;
 mod data_faults;

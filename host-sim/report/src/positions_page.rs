@@ -123,7 +123,7 @@ fn effects(effects: &[Effect]) -> Markup {
             }
         }
     };
-    table(&columns, &rows)
+    table("Effects in the deviation over position", &columns, &rows)
 }
 
 fn left(analysis: &Analysis) -> Markup {

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::parameters;
 use files::format::{fixed, percent, significant};
 use files::log::Unit;
-use pages::markup::{note, number_cell, text};
+use pages::markup::{note, number_cell, table_with, text};
 use trace::AxisIdentification;
 use trace::fit::normal_equations::FOLDS;
 use trace::judge::found_effect::FoundEffect;
@@ -42,21 +42,20 @@ fn table_of_axis(axis: &AxisIdentification) -> Markup {
     if rounds.0.is_empty() {
         return rounds;
     }
-    html! {
-        h3 { "Axis " (text(&axis.axis)) }
-        div.scroll {
-            table.ranking {
-                colgroup { col; col; col; col; }
-                thead {
-                    tr {
-                        th scope="col" { "candidate" }
-                        th scope="col" colspan="2" { "gain" }
-                        th scope="col" { "verdict" }
-                    }
-                }
-                (rounds)
+    let parts = html! {
+        colgroup { col; col; col; col; }
+        thead {
+            tr {
+                th scope="col" { "candidate" }
+                th scope="col" colspan="2" { "gain" }
+                th scope="col" { "verdict" }
             }
         }
+        (rounds)
+    };
+    html! {
+        h3 { "Axis " (text(&axis.axis)) }
+        (table_with("ranking", &format!("Candidates of axis {}", axis.axis), &parts))
     }
 }
 

@@ -2,12 +2,12 @@
 
 use maud::{Markup, html};
 
-use super::axis_view::{AxisView, series};
+use super::axis_view::{AxisView, is_at_noise, series};
 use super::variable::{label, means, of_effect, of_residual};
 use files::format::significant;
 use model::effects::{Abscissa, Stage};
 use pages::file_name;
-use pages::markup::{figure, legend, line_entry, note, surface_entry, text};
+use pages::markup::{figure, folded, legend, line_entry, note, surface_entry, text};
 use pages::plot::{Chart, Ink, Layer};
 use trace::Identification;
 use trace::fit::fit_data::ResidualSeries;
@@ -50,15 +50,21 @@ fn panel(trace: &Identification, view: &AxisView<'_>, stage: Stage) -> Markup {
         variables.iter().filter_map(|abscissa| mean_chart(view, stage, abscissa)).collect();
     let (class, width) = if means.is_empty() { ("wide", 960) } else { ("", 590) };
     let (chart, caption) = time_chart(trace, view, stage, log, width);
-    html! {
-        h3 {
-            (text(&view.trace.axis)) ", " (stage_names(&[stage])) " "
-            span.small { (text(meaning(stage))) }
-        }
+    let name = format!("{}, {}", view.trace.axis, stage_names(&[stage]));
+    let plots = html! {
         div.stage {
             (figure(class, &chart, &caption))
             @for (i, chart) in means.iter().enumerate() { (figure(if i == 0 { "" } else { "right" }, chart, "")) }
         }
+    };
+    // What the effects found made as small as noise is a result, and not folded away.
+    let is_noise = view.trace.residual(stage).is_some_and(|error| is_at_noise(view.trace, error));
+    if is_noise && !view.is_changed(stage) {
+        return folded(&format!("{name}: at the noise of the sensors"), &plots);
+    }
+    html! {
+        h3 { (text(&name)) " " span.small { (text(meaning(stage))) } }
+        (plots)
     }
 }
 

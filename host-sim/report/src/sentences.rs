@@ -10,6 +10,7 @@ use trace::analysis::free_run::FreeRun;
 use trace::analysis::repeatability::Repeatability;
 use trace::analysis::residual_analysis::UnexplainedResidual;
 use trace::analysis::variable::Variable;
+use trace::certainty::is_certain;
 use trace::fit::scope::NotTestable;
 use trace::judge::declared_value::{DeclaredValue, mean_factor};
 use trace::judge::found_effect::FoundEffect;
@@ -64,9 +65,10 @@ pub fn ambiguity(axis: &AxisIdentification, alike: &Ambiguity, proposal: Option<
     format!("{}: these logs do not distinguish {added} from {rival}; {how}.", axis.axis)
 }
 
-/// The sentence for an effect that was found; with its rivals, if the logs do not distinguish it from these.
+/// The sentence for an effect that was found: what it is, whether that is certain, how much of the residual it explains, and what to do;
+/// with its rivals, if the logs do not distinguish it from these.
 #[must_use]
-pub fn sentence(axis: &str, unit: Unit, found: &FoundEffect) -> String {
+pub fn sentence(axis: &str, unit: Unit, found: &FoundEffect, is_certain: bool) -> String {
     let is_rotary = unit == Unit::Degree;
     let mut what = found.effect.sentence(&found.half_widths, is_rotary);
     let mut others: Vec<String> = found.rivals.iter().map(|rival| rival.sentence(&[], is_rotary)).collect();
@@ -86,17 +88,27 @@ pub fn sentence(axis: &str, unit: Unit, found: &FoundEffect) -> String {
         let (to_noise, stage) = (significant(remaining.to_noise, 2), stage_names(&[remaining.stage]));
         what += &format!(" (not certain: {to_noise} times the noise remains in the {stage} residual)");
     }
+    let certain = if is_certain { ", certain" } else { "" };
+    let remedy =
+        if is_certain { format!(" To do: {}.", found.effect.compensation().remedy()) } else { String::new() };
+    format!("{axis}: {what}{certain}; {}.{remedy}", on_held_out(found))
+}
+
+/// What motions that took no part in the fit say of an effect.
+fn on_held_out(found: &FoundEffect) -> String {
     let stage = stage_names(&[found.stage]);
-    let held_out = "on held-out motions";
     let gain = found.validate_reduction_percent();
     if gain.is_nan() {
-        format!("{axis}: {what}; no held-out motion has a {stage} residual to show it.")
+        format!("no held-out motion has a {stage} residual to show it")
     } else if gain >= 0.0 {
-        format!("{axis}: {what}; reduces the {stage} residual {held_out} by {}.", percent(gain))
-    } else {
-        let rise = percent(-gain);
         format!(
-            "{axis}: {what}; the held-out motions neither show nor refute it: their {stage} residual is {rise} larger."
+            "it explains the {stage} residual of held-out motions, which is {} smaller with it",
+            percent(gain)
+        )
+    } else {
+        format!(
+            "the held-out motions neither show nor refute it: their {stage} residual is {} larger",
+            percent(-gain)
         )
     }
 }
@@ -130,7 +142,7 @@ fn of_force_scale(axis: &AxisIdentification) -> Option<String> {
 }
 
 /// The results for an axis: whether the model fails to describe the logs; one sentence for each effect, or one sentence
-/// that no effect was found; refuted effects, and effects with a parameter at a limit.
+/// that no effect was found.
 #[must_use]
 pub fn of_axis(axis: &AxisIdentification) -> Vec<String> {
     if axis.residuals.is_empty() {
@@ -140,20 +152,20 @@ pub fn of_axis(axis: &AxisIdentification) -> Vec<String> {
         )];
     }
     let none = axis.found.is_empty().then(|| format!("{}: {}.", axis.axis, without_effects(axis)));
-    let found = axis.found.iter().map(|found| sentence(&axis.axis, axis.unit, found));
-    let refuted = axis.refuted.iter().map(|found| caveats::refuted(&axis.axis, axis.unit, found));
-    let at_limit = axis.refused.iter().map(|limit| caveats::at_limit(&axis.axis, axis.unit, limit));
+    let found =
+        axis.found.iter().map(|found| sentence(&axis.axis, axis.unit, found, is_certain(axis, found)));
     let misfit = caveats::misfit(axis).into_iter().chain(caveats::misfit_held_out(axis));
     let beyond = axis.written_values().filter(|value| value.is_beyond_tolerance);
     let beyond = beyond.map(|value| beyond_tolerance(&axis.axis, &value));
-    misfit
-        .chain(of_force_scale(axis))
-        .chain(beyond)
-        .chain(none)
-        .chain(found)
-        .chain(refuted)
-        .chain(at_limit)
-        .collect()
+    misfit.chain(of_force_scale(axis)).chain(beyond).chain(none).chain(found).collect()
+}
+
+/// What was found on an axis and refused: refuted effects, and effects with a parameter at a limit.
+#[must_use]
+pub fn refused_of_axis(axis: &AxisIdentification) -> Vec<String> {
+    let refuted = axis.refuted.iter().map(|found| caveats::refuted(&axis.axis, axis.unit, found));
+    let at_limit = axis.refused.iter().map(|limit| caveats::at_limit(&axis.axis, axis.unit, limit));
+    refuted.chain(at_limit).collect()
 }
 
 /// The result for an axis on which no effect was found.
@@ -191,7 +203,8 @@ pub fn data_faults(trace: &Identification) -> Vec<String> {
 /// The faults of the data, then the sentences of all axes.
 #[must_use]
 pub fn summary(trace: &Identification) -> Vec<String> {
-    data_faults(trace).into_iter().chain(trace.axes().iter().flat_map(of_axis)).collect()
+    let of_axes = trace.axes().iter().flat_map(|axis| [of_axis(axis), refused_of_axis(axis)].concat());
+    data_faults(trace).into_iter().chain(of_axes).collect()
 }
 
 /// The remaining residual of a stage.
@@ -375,10 +388,14 @@ mod tests {
             let stage = effect.stages()[0];
             let [before, after] = [100.0, 9.4].map(|validate| FitAndValidationRms { fit: 1.0, validate });
             let found = FoundEffect::new((effect, half_widths), stage, [before, after]);
-            let text = sentence("ax", Unit::Millimetre, &found);
+            let text = sentence("ax", Unit::Millimetre, &found, true);
             assert!(text.starts_with("ax: "), "{text}");
-            assert!(text.ends_with("residual on held-out motions by 91 %."), "{text}");
-            assert!(text.contains("91 %"), "{text}");
+            assert!(
+                text.contains(", certain; it explains the ")
+                    && text.contains(", which is 91 % smaller with it. "),
+                "{text}"
+            );
+            assert!(text.ends_with(&format!("To do: {}.", found.effect.compensation().remedy())), "{text}");
             let declared = found.effect.declared_parameters();
             for ((name, value), parameter) in parameters.iter().zip(&declared) {
                 if name.starts_with("phase") || parameter.is_list {
@@ -411,18 +428,18 @@ mod tests {
         let [before, after] = [100.0, 103.2].map(|validate| FitAndValidationRms { fit: 1.0, validate });
         let mut found = FoundEffect::new((effect, vec![0.1]), Stage::Table, [before, after]);
         assert_eq!(
-            sentence("x", Unit::Millimetre, &found),
+            sentence("x", Unit::Millimetre, &found, false),
             "x: 9.8 ± 0.1 µm backlash between screw and table; the held-out motions neither show nor refute it: their \
              table residual is 3 % larger."
         );
         found.before.validate = f64::NAN;
         assert_eq!(
-            sentence("x", Unit::Millimetre, &found),
+            sentence("x", Unit::Millimetre, &found, false),
             "x: 9.8 ± 0.1 µm backlash between screw and table; no held-out motion has a table residual to show it."
         );
         let slope = "name = 'pitch_progressive'\nslope_um_per_m = 12.5";
         found.rivals.push(toml::from_str(slope).unwrap());
-        let text = sentence("x", Unit::Millimetre, &found);
+        let text = sentence("x", Unit::Millimetre, &found, false);
         assert!(
             text.starts_with("x: either 9.8 ± 0.1 µm backlash") && text.contains(", or the screw moves"),
             "{text}"

@@ -3,9 +3,9 @@
 use maud::{Markup, html};
 
 use contour::log_error::LogError;
-use files::format::{fixed, signed};
+use files::format::{signed, significant};
 use model::effects::Effect;
-use pages::markup::{Column, note, number_cell, paragraph, table, text};
+use pages::markup::{Column, note, number_cell, paragraph, table, table_with, text};
 use trace::AxisIdentification;
 use trace::judge::StageResidual;
 use trace::judge::found_effect::FoundEffect;
@@ -20,33 +20,32 @@ pub fn errors(axes: &[AxisIdentification]) -> Markup {
     if axes.iter().all(|axis| axis.residuals.is_empty()) {
         return Markup::default();
     }
-    html! {
-        (note(RESIDUALS_NOTE))
-        div.scroll {
-            table {
-                thead {
-                    tr {
-                        th rowspan="2" scope="col" { "axis" }
-                        th rowspan="2" scope="col" { "channel" }
-                        th rowspan="2" scope="col" { "unit" }
-                        th.n colspan="2" scope="colgroup" { "before" }
-                        th.n colspan="2" scope="colgroup" { "after" }
-                        th.n rowspan="2" scope="col" { "noise" }
-                    }
-                    tr {
-                        @for _ in ["before", "after"] {
-                            th.n scope="col" { "fit" }
-                            th.n scope="col" { "validate" }
-                        }
-                    }
-                }
-                tbody {
-                    @for axis in axes {
-                        @for error in in_order_of_stages(axis) { (error_row(axis, error)) }
-                    }
+    let parts = html! {
+        thead {
+            tr {
+                th rowspan="2" scope="col" { "axis" }
+                th rowspan="2" scope="col" { "channel" }
+                th rowspan="2" scope="col" { "unit" }
+                th.n colspan="2" scope="colgroup" { "before" }
+                th.n colspan="2" scope="colgroup" { "after" }
+                th.n rowspan="2" scope="col" { "noise" }
+            }
+            tr {
+                @for _ in ["before", "after"] {
+                    th.n scope="col" { "fit" }
+                    th.n scope="col" { "validate" }
                 }
             }
         }
+        tbody {
+            @for axis in axes {
+                @for error in in_order_of_stages(axis) { (error_row(axis, error)) }
+            }
+        }
+    };
+    html! {
+        (note(RESIDUALS_NOTE))
+        (table_with("", "Residuals before and after", &parts))
     }
 }
 
@@ -64,18 +63,18 @@ fn error_row(axis: &AxisIdentification, error: &StageResidual) -> Markup {
             th scope="row" { (text(&axis.axis)) }
             td { (name) }
             td { (unit) }
-            (number_cell(&fixed(before.fit, 3)))
-            (number_cell(&fixed(before.validate, 3)))
+            (number_cell(&significant(before.fit, 3)))
+            (number_cell(&significant(before.validate, 3)))
             (after_cell(before.fit, after.fit))
             (after_cell(before.validate, after.validate))
-            (number_cell(&fixed(error.noise, 3)))
+            (number_cell(&significant(error.noise, 3)))
         }
     }
 }
 
 /// A residual after the search, highlighted if it is at least 5 % smaller than before.
 fn after_cell(before: f64, after: f64) -> Markup {
-    html! { td.n.gained[after < 0.95 * before] { (text(&fixed(after, 3))) } }
+    html! { td.n.gained[after < 0.95 * before] { (text(&significant(after, 3))) } }
 }
 
 const CONTOUR_NOTE: &str = "Distance of the measured position from the path of the command, in the samples as logged; of a single \
@@ -94,12 +93,12 @@ pub fn contour_errors(logs: &[LogError]) -> Markup {
     let columns: Vec<Column> =
         WORDS.map(Column::Words).into_iter().chain(NUMBERS.map(Column::Numbers)).collect();
     let rows = html! { @for log in logs { (contour_row(log)) } };
-    html! { (note(CONTOUR_NOTE)) (table(&columns, &rows)) }
+    html! { (note(CONTOUR_NOTE)) (table("Contour error of each log", &columns, &rows)) }
 }
 
 fn contour_row(log: &LogError) -> Markup {
     let error = &log.error;
-    let shown = |value: Option<f64>| value.map_or("–".to_owned(), |um| fixed(um, 2));
+    let shown = |value: Option<f64>| value.map_or("–".to_owned(), |um| significant(um, 3));
     let laps = error.circles.iter().flat_map(|circle| &circle.laps).flat_map(|lap| lap.radial_um);
     let radial_um: Vec<f64> = laps.collect();
     let radial = if radial_um.is_empty() {
@@ -111,8 +110,8 @@ fn contour_row(log: &LogError) -> Markup {
         tr {
             th scope="row" { (text(&log.log)) }
             td { (log.channel.word()) @if error.is_along_axis { " (one axis: following error)" } }
-            (number_cell(&fixed(error.rms_um, 3)))
-            (number_cell(&fixed(error.max_um, 3)))
+            (number_cell(&significant(error.rms_um, 3)))
+            (number_cell(&significant(error.max_um, 3)))
             (number_cell(&shown(error.circular_um())))
             (number_cell(&shown(error.hysteresis_um())))
             (number_cell(&shown(error.reversal_peak_um())))
@@ -137,7 +136,7 @@ pub fn truth(axes: &[AxisIdentification], truth: &[(String, Effect)]) -> Markup 
     }
     html! {
         h3 { "Comparison with the true effects, which the tracer did not know" }
-        (table(&["axis", "truth", "found", "error"].map(Column::Words), &rows))
+        (table("True effects and those found", &["axis", "truth", "found", "error"].map(Column::Words), &rows))
     }
 }
 

@@ -1,5 +1,6 @@
 use std::fs;
 
+use super::certificate::Circumstances;
 use super::sentences;
 use super::trace_page::{Extra, html, write};
 use files::log::{AxisLog, Log, Unit};
@@ -78,7 +79,11 @@ fn the_page_is_well_formed_escaped_and_self_contained() {
     }
     assert!(html.contains("<h1>A &lt;i&gt; title</h1>"));
     assert!(html.contains("Seed 7 &amp; &quot;more&quot;."));
-    assert!(html.contains("Machine &lt;b&gt;&amp;. Fitted to fit.csv; validated on validate.csv"));
+    for (name, value) in
+        [("machine", "&lt;b&gt;&amp;"), ("logs fitted", "fit.csv"), ("logs held out", "validate.csv")]
+    {
+        assert!(html.contains(&format!("<tr><th scope=\"row\">{name}</th><td>{value}</td></tr>")), "{name}");
+    }
 }
 
 #[test]
@@ -86,21 +91,28 @@ fn the_page_has_all_sections_with_their_results() {
     let trace = traced();
     let page = html(&trace, &extra("name = 'backlash'\nwidth_um = 4"));
     let sections = [
+        "Machine and logs",
         "Effects found",
         "Residuals before",
         "The circle",
         "The residual of",
-        "Candidates tested",
         "Unexplained residuals",
+        "Candidates tested",
     ];
     let positions: Vec<usize> =
         sections.iter().map(|name| page.find(&format!("<h2>{name}")).unwrap()).collect();
     assert!(positions.is_sorted(), "{positions:?}");
-    assert!(page.contains(&text(&sentences::sentence("x", Unit::Millimetre, &trace.axes()[0].found[0])).0));
+    let verdict = page.find("class=\"verdict\">One undeclared effect was found").unwrap();
+    assert!(verdict < positions[0], "the verdict stands first");
+    let (_, way) = page.split_once("<details><summary>How was this found?</summary>").unwrap();
+    assert!(way.contains("<h2>Candidates tested"), "candidates are folded away");
+    assert!(
+        page.contains(&text(&sentences::sentence("x", Unit::Millimetre, &trace.axes()[0].found[0], false)).0)
+    );
     // Its machine file declares neither stiffness nor masses, and no force is logged.
     let parts = "gap and stretch under friction together, or the screw has a gap of up to this width, or the drive train is stretched";
     assert!(page.contains(parts));
-    assert!(page.contains("; reduces the table residual"));
+    assert!(page.contains("; it explains the table residual of held-out motions, which is "));
     assert!(page.contains("y: no undeclared effect found"));
     let truth = text("4.000 µm backlash between screw and table").0;
     assert!(page.contains(&format!("<td>{truth}</td>")), "the truth");
@@ -109,6 +121,43 @@ fn the_page_has_all_sections_with_their_results() {
     assert!(page.contains("x, tool: could not be evaluated; required: a tool channel."));
     assert!(page.contains("mean residual") && page.contains("velocity, mm/s"));
     assert!(page == html(&trace, &extra("name = 'backlash'\nwidth_um = 4")), "the same bytes again");
+}
+
+#[test]
+fn the_page_names_what_it_was_told_and_nothing_else() {
+    let trace = traced();
+    let told = Circumstances {
+        serial: Some("SN <7>".to_owned()),
+        operator: Some("A. Smith".to_owned()),
+        date: Some("2026-11-27".to_owned()),
+        command_line: Some("lost-motion trace --fit fit.csv".to_owned()),
+    };
+    let page = html(&trace, &Extra { circumstances: told, ..extra("name = 'backlash'\nwidth_um = 4") });
+    let row = |name: &str, value: &str| format!("<th scope=\"row\">{name}</th><td>{value}</td>");
+    let told = [
+        row("serial number", "SN &lt;7&gt;"),
+        row("operator", "A. Smith"),
+        row("date", "2026-11-27"),
+        row("command line", "lost-motion trace --fit fit.csv"),
+    ];
+    let positions: Vec<usize> = told.iter().map(|row| page.find(row.as_str()).unwrap()).collect();
+    assert!(positions.is_sorted(), "{positions:?}");
+    assert!(page.contains(&row("program", &format!("lost-motion {}", env!("CARGO_PKG_VERSION")))));
+    // Without them, there is no row.
+    let page = html(&trace, &extra("name = 'backlash'\nwidth_um = 4"));
+    for name in ["serial number", "operator", "date", "command line"] {
+        assert!(!page.contains(&format!("<th scope=\"row\">{name}</th>")), "{name}");
+    }
+}
+
+#[test]
+fn limits_stand_on_the_page_with_their_result_and_in_the_verdict() {
+    let trace = traced();
+    // Nothing was measured at the tool, and there is no budget.
+    let limits = budget::traced::limits(&trace, &[], None, &["G=8".parse().unwrap()]);
+    let page = html(&trace, &Extra { limits, ..extra("name = 'backlash'\nwidth_um = 4") });
+    assert!(page.contains("<td class=\"result\">unknown</td>"), "{page}");
+    assert!(page.contains("not known whether within the limit: G.</p>"), "{page}");
 }
 
 #[test]

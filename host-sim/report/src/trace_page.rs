@@ -1,22 +1,22 @@
-//! The page of a trace: effects found, plots, and unexplained residuals.
+//! The page of a trace: verdict, error budget, limits and circumstances; then effects found, plots, and what is not explained; folded away,
+//! how it was found.
 
 use std::path::{Path, PathBuf};
 
 use maud::{Markup, html};
 
-use super::axis_view::AxisView;
+use super::axis_view::{AxisView, is_at_noise};
 use super::before_after::{self, RoundTripMotion};
+use super::certificate::{self, Circumstances};
 use super::{budget_page, circle_plots, ranking, residual_plots, sentences, tables};
 use budget::Budget;
+use budget::limits::Judgement;
 use contour::log_error::LogError;
 use files::output::OutputError;
 use model::effects::Effect;
-use pages::file_name;
-use pages::markup::{list, note, paragraph, section, text};
+use pages::markup::{folded, list, note, paragraph, section, text};
 use trace::AxisIdentification;
 use trace::Identification;
-use trace::input::signals::Signals;
-use trace::judge::StageResidual;
 use trace::stages::stage_names;
 
 /// Additional content of a page.
@@ -32,6 +32,10 @@ pub struct Extra {
     pub contour_errors: Vec<LogError>,
     /// What each cause costs at the tool.
     pub budget: Option<Budget>,
+    /// Limits with pass, fail or unknown.
+    pub limits: Vec<Judgement>,
+    /// Serial number, operator, date and command line.
+    pub circumstances: Circumstances,
     /// Motions before and after a compensation, with a sentence about them.
     pub round_trip: (Vec<RoundTripMotion>, String),
 }
@@ -49,19 +53,21 @@ pub fn write(folder: &Path, trace: &Identification, extra: &Extra) -> Result<Pat
 pub fn html(trace: &Identification, extra: &Extra) -> String {
     let views = AxisView::all(trace);
     let lead = html! {
+        p.verdict { (text(&certificate::verdict(trace, extra.budget.as_ref(), &extra.limits))) }
         @for sentence in &extra.lead { (paragraph(sentence)) }
-        (note(&sources(trace)))
     };
     let sections = html! {
         @if let Some(budget) = &extra.budget { (budget_page::sections(budget)) }
+        (section("Limits", &certificate::limits(&extra.limits)))
+        (section("Machine and logs", &certificate::circumstances(trace, &extra.circumstances)))
         (section("Effects found", &found(trace, extra)))
         (section("Residuals before and after", &tables::errors(trace.axes())))
         (section("Contour error", &tables::contour_errors(&extra.contour_errors)))
         (section("Before and after the compensation", &before_after::round_trip(&extra.round_trip.0, &extra.round_trip.1)))
         (section("The circle", &circle_plots::body(trace, &views)))
         (section("The residual of each stage", &residual_plots::body(trace, &views)))
-        (section("Candidates tested", &ranking::body(trace.axes())))
         (section("Unexplained residuals", &unexplained(trace.axes(), trace.notes())))
+        (folded("How was this found?", &way(trace.axes())))
     };
     pages::render(&extra.title, &lead, &sections)
 }
@@ -85,21 +91,17 @@ fn found(trace: &Identification, extra: &Extra) -> Markup {
 const VALIDATION_DECIDES: &str = "The held-out data are used for one decision only: an effect that increases their \
                                   residual is refuted and left out of the model.";
 
-/// Which logs were fitted and which were not.
-fn sources(trace: &Identification) -> String {
-    let names =
-        |logs: &[Signals]| logs.iter().map(|log| file_name(&log.source)).collect::<Vec<_>>().join(", ");
-    let (fit, validate) = (names(trace.fit_logs()), names(trace.validate_logs()));
-    let validation = if fit == validate {
-        "validated on the last part of it".to_owned()
-    } else {
-        format!("validated on {validate}")
-    };
-    let separator = if fit == validate { "," } else { ";" };
-    format!(
-        "Machine {}. Fitted to {fit}{separator} {validation}, which is not used in any fit. {VALIDATION_DECIDES}",
-        trace.machine().name
-    )
+/// The candidates of each round, and what was refused.
+fn way(axes: &[AxisIdentification]) -> Markup {
+    let refused = axes
+        .iter()
+        .flat_map(|axis| sentences::refused_of_axis(axis).into_iter().chain(ranking::refused(axis)));
+    let refused: Vec<String> = refused.collect();
+    html! {
+        (note(VALIDATION_DECIDES))
+        @if !refused.is_empty() { (section("Refused", &list(&refused))) }
+        (section("Candidates tested", &ranking::body(axes)))
+    }
 }
 
 /// Remaining residuals, stages that could not be evaluated, and residuals at noise level.
@@ -121,12 +123,6 @@ fn unexplained(axes: &[AxisIdentification], notes: &[String]) -> Markup {
 
 /// Axis and name of each stage whose residual is at noise level.
 fn explained_stages(axis: &AxisIdentification) -> Vec<String> {
-    /// Largest residual that counts as noise, in multiples of the noise's rms.
-    const MAX_NOISE_MULTIPLE: f64 = 1.5;
-    let is_explained = |error: &&StageResidual| {
-        let is_noise = error.after.validate <= MAX_NOISE_MULTIPLE * error.noise;
-        is_noise && !axis.unexplained.iter().any(|entry| entry.stage == error.stage)
-    };
-    let explained = axis.residuals.iter().filter(is_explained);
+    let explained = axis.residuals.iter().filter(|error| is_at_noise(axis, error));
     explained.map(|error| format!("{} {}", axis.axis, stage_names(&[error.stage]))).collect()
 }

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use maud::{Markup, html};
 
 use super::before_after::{self, on_one_scale};
+use super::certificate;
+use budget::limits::Judgement;
 use contour::verification::{Change, VerifiedMotion};
 use files::format::significant;
 use files::output::OutputError;
@@ -17,14 +19,20 @@ const MAX_NOISE_RATIO: f64 = 1.5;
 ///
 /// # Errors
 /// If the folder cannot be created or the page cannot be written.
-pub fn write(folder: &Path, machine: &str, motions: &[VerifiedMotion]) -> Result<PathBuf, OutputError> {
-    pages::write(folder, &html(machine, motions))
+pub fn write(
+    folder: &Path,
+    machine: &str,
+    motions: &[VerifiedMotion],
+    limits: &[Judgement],
+) -> Result<PathBuf, OutputError> {
+    pages::write(folder, &html(machine, motions, limits))
 }
 
 /// The page. The same motions give the same bytes.
 #[must_use]
-pub fn html(machine: &str, motions: &[VerifiedMotion]) -> String {
+pub fn html(machine: &str, motions: &[VerifiedMotion], limits: &[Judgement]) -> String {
     let sections = html! {
+        (section("Limits", &certificate::limits(limits)))
         (section("Contour error", &errors(motions)))
         @for motion in motions { (section(&format!("Radial deviation of {}", motion.name), &circles(motion))) }
     };

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use crate::confusion::Confusion;
-use pages::markup::{svg, text};
+use pages::markup::{Attributes, svg, text};
 
 /// Width and height of a cell, width of the names next to the rows, height of the names above the columns, in pixels
 /// of the page.
@@ -34,7 +34,7 @@ pub fn picture(confusion: &Confusion) -> String {
         (grid(right, bottom))
     };
     // The slanted name of the last column extends beyond it. The minimum keeps the scale of a small matrix.
-    svg(((right + 90).max(980), bottom + 4), TITLE, DESCRIPTION, &body)
+    svg(((right + 90).max(980), bottom + 4), Attributes::default(), (TITLE, DESCRIPTION), &body)
 }
 
 /// Rows that are not empty, each with its sum, and columns that are not empty or have a row of the same name, so that

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::detection::SIZES;
 use super::detection_curve::{Bin, Curve};
-use pages::markup::{svg, text};
+use pages::markup::{Attributes, svg, text};
 
 /// Width of the names next to the rows, width and height of the curve, height above it and of a row below, in pixels of
 /// the page.
@@ -45,7 +45,7 @@ pub fn picture(curve: &Curve) -> String {
             }
         }
     };
-    svg((LEFT + WIDTH + 50, bottom + 6), TITLE, DESCRIPTION, &body)
+    svg((LEFT + WIDTH + 50, bottom + 6), Attributes::default(), (TITLE, DESCRIPTION), &body)
 }
 
 /// Vertical lines at labelled sizes through both parts, horizontal lines of the curve.

@@ -106,7 +106,7 @@ fn part(outcomes: &[Outcome], columns: Range<usize>) -> Markup {
             }
         }
     };
-    table(&headings, &body)
+    table("Statistics by kind", &headings, &body)
 }
 
 #[cfg(test)]

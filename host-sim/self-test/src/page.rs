@@ -107,7 +107,7 @@ fn residuals(summary: &Summary) -> Markup {
     }
     html! {
         (note("Rms residual with all effects found, divided by the rms noise of the sensors."))
-        (table(&columns, &rows))
+        (table("Residuals by channel", &columns, &rows))
     }
 }
 
@@ -118,7 +118,7 @@ fn wrong_cases(outcomes: &[Outcome]) -> Markup {
     if rows.0.is_empty() {
         return paragraph("None.");
     }
-    table(&["case", "true effects", "found"].map(Column::Words), &rows)
+    table("Cases that are not right", &["case", "true effects", "found"].map(Column::Words), &rows)
 }
 
 fn row(outcome: &Outcome) -> Markup {

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use crate::summary::{Parameter, Proportion};
-use pages::markup::{svg, text};
+use pages::markup::{Attributes, svg, text};
 
 /// Height of a row, width of the names next to the rows, height of the labels above them, in pixels of the page.
 const ROW: u32 = 22;
@@ -35,7 +35,7 @@ pub fn picture(parameters: &[Parameter]) -> String {
             (coverage_interval(*coverage, top))
         }
     };
-    svg((980, bottom + 6), TITLE, DESCRIPTION, &body)
+    svg((980, bottom + 6), Attributes::default(), (TITLE, DESCRIPTION), &body)
 }
 
 /// Labelled vertical lines of both scales.

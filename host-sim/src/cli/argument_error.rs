@@ -4,11 +4,11 @@ use clap::Parser;
 use clap::error::{Error, ErrorKind};
 use files::error::printable;
 
-/// The arguments of the program. Ends it after `--help` or `--version` with 0, and after an error, or without a command, with 2.
+/// The arguments of the program, whose command is given. Ends it after `--help` or `--version` with 0, and after an error, or without a command, with 2.
 #[must_use]
-pub fn parse_or_exit<A: Parser>() -> A {
+pub fn parse_or_exit<A: Parser>(command: clap::Command) -> A {
     // Otherwise, a negative number is an unknown flag, and not a value that is refused by its range.
-    let command = A::command().mut_subcommands(with_negative_numbers);
+    let command = command.mut_subcommands(with_negative_numbers);
     let parsed = command.try_get_matches().and_then(|mut matches| A::from_arg_matches_mut(&mut matches));
     parsed.unwrap_or_else(|error| {
         // Without any argument, the help is the answer.

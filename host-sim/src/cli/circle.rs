@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
+use super::help;
 use super::logs;
 use super::outputs::{check_json_and_page, print, write_json};
 use super::progress::Progress;
@@ -21,6 +22,7 @@ use files::table::Table;
 
 /// Arguments of `circle`.
 #[derive(clap::Args)]
+#[command(after_help = help::CIRCLE)]
 pub struct Arguments {
     /// Log with the command and a measured position of two axes, or a ballbar's table of `radius_mm` or `radius_um` over `angle_deg`
     /// or `time_s` (CSV, .csv.gz, or - for stdin), or either of another program, see below; two of them, one for each direction.

@@ -66,6 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         contour_errors: traced.contour_errors.clone(),
         budget,
         round_trip: (round_trip_motions(&demo), round_trip_lead(&demo)),
+        ..Extra::default()
     };
     let path = trace_page::write(&arguments.report, &demo.traced.trace, &extra)?;
     let rows: Vec<Comparison> = demo.compensated.motions.iter().map(Compared::comparison).collect();

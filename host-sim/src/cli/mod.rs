@@ -5,16 +5,19 @@ mod argument_error;
 mod batch;
 mod board;
 mod budget;
+mod certificate;
 mod circle;
 mod compare;
 mod compensate;
 mod compensation;
 mod demo;
 mod friction_map;
+mod help;
 mod import;
 mod improve;
 mod init;
 mod input_error;
+mod limits;
 mod logged_run;
 mod logs;
 mod margins;
@@ -27,6 +30,7 @@ mod record;
 mod reproduce;
 mod self_test;
 mod sensors;
+mod shell;
 mod simulate;
 mod sound_logs;
 mod stop;
@@ -37,7 +41,7 @@ mod verify;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use files::error::{InputError, printable};
 use stop::Stopped;
@@ -94,12 +98,21 @@ enum Command {
     App(app::Arguments),
     /// Compare the contour error of the same motions before and after a change with each other and with the prediction.
     Verify(verify::Arguments),
+    /// Print completions for a shell.
+    Completions(shell::CompletionArguments),
+    /// Write the manual pages of the program and its verbs.
+    Man(shell::ManArguments),
+}
+
+/// The program with all that its help says.
+fn command() -> clap::Command {
+    help::grouped(Arguments::command())
 }
 
 /// Runs the program. Exit codes: 0 success, 1 failure, 2 invalid arguments or input, 130 interrupted.
 #[must_use]
 pub fn run() -> ExitCode {
-    let arguments: Arguments = argument_error::parse_or_exit();
+    let arguments: Arguments = argument_error::parse_or_exit(command());
     stop::install_handler();
     let outcome = match arguments.command {
         Command::Demo(arguments) => demo::run(&arguments),
@@ -122,6 +135,8 @@ pub fn run() -> ExitCode {
         Command::Init(arguments) => init::run(&arguments),
         Command::Tune(arguments) => tune::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
+        Command::Completions(arguments) => shell::completions(&arguments, command()),
+        Command::Man(arguments) => shell::man(&arguments, command()),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,5 +1,6 @@
 //! The summary of a trace on stdout: sentences, a table of errors, remarks.
 
+use files::format::significant;
 use report::{ranking, sentences};
 use trace::AxisIdentification;
 use trace::Identification;
@@ -74,8 +75,7 @@ fn row(axis: &AxisIdentification, error: &StageResidual) -> String {
     let (unit, _) = residual_unit(axis.unit, error.stage);
     let (before, after) = (error.before, error.after);
     let figures = [before.fit, before.validate, after.fit, after.validate, error.noise];
-    // Validation logs may lack the channel.
-    let cell =
-        |figure: f64| if figure.is_nan() { format!("{:>11}", "–") } else { format!("{figure:>11.3}") };
+    // Validation logs may lack the channel: a dash.
+    let cell = |figure: f64| format!("{:>11}", significant(figure, 3));
     format!("{:<6}{:<8}{unit:>5}{}", axis.axis, stage_names(&[error.stage]), figures.map(cell).concat())
 }

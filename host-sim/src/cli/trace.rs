@@ -4,6 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
+use super::certificate::CertificateArguments;
+use super::help;
+use super::limits::{self, ToolLimitArguments};
 use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
 use super::reading::ReadingArguments;
@@ -15,8 +18,13 @@ use model::machine::Machine;
 use report::trace_page::{self, Extra};
 use trace::{AxisIdentification, Identification, Request, Task};
 
+/// Arguments that a friction map does not take.
+const NOT_OF_A_MAP: [&str; 10] =
+    ["machine", "fit", "validate", "model", "propose", "empirical", "limits", "serial", "operator", "date"];
+
 /// Arguments of `trace`.
 #[derive(clap::Args)]
+#[command(after_help = help::TRACE)]
 pub struct Arguments {
     /// Machine file with the declared model.
     #[arg(long, required_unless_present = "friction_map")]
@@ -29,7 +37,7 @@ pub struct Arguments {
     #[arg(long)]
     validate: Vec<PathBuf>,
     /// Steady-state friction map, instead of machine and logs (CSV, one row per run at constant speed).
-    #[arg(long, conflicts_with_all = ["machine", "fit", "validate", "model", "propose", "empirical"])]
+    #[arg(long, conflicts_with_all = NOT_OF_A_MAP)]
     friction_map: Option<PathBuf>,
     /// Evaluate the machine file on the logs without searching for effects: "before" has the values of the file, "after"
     /// has its declared values fitted.
@@ -52,13 +60,26 @@ pub struct Arguments {
     #[arg(long)]
     report: Option<PathBuf>,
     #[command(flatten)]
+    certificate: CertificateArguments,
+    #[command(flatten)]
+    limits: ToolLimitArguments,
+    #[command(flatten)]
     reading: ReadingArguments,
+}
+
+impl Arguments {
+    /// All files and folders of the command line.
+    fn paths(&self) -> Vec<&Path> {
+        let outputs = [&self.json, &self.model, &self.propose, &self.report].into_iter().flatten();
+        let inputs = self.machine.iter().chain(&self.fit).chain(&self.validate);
+        inputs.chain(outputs).map(PathBuf::as_path).collect()
+    }
 }
 
 /// Runs the command.
 ///
 /// # Errors
-/// Input that cannot be used, output that cannot be written.
+/// Input that cannot be used, output that cannot be written; with `--check`, a limit that is not kept or not known to be.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let (json, folder) = (arguments.json.as_ref(), arguments.report.as_ref());
     match (&arguments.friction_map, &arguments.machine) {
@@ -103,36 +124,46 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     if arguments.empirical {
         output += &summary::of_tables(&trace);
     }
-    output += &write(arguments, &trace, contour_errors)?;
-    print(&output)
+    let mut extra = Extra { contour_errors, ..Extra::default() };
+    output += &judge(arguments, &trace, &mut extra);
+    output += &write(arguments, &trace, &mut extra)?;
+    print(&output)?;
+    arguments.limits.checked(&extra.limits)
+}
+
+/// The error budget, where an output has it or a limit needs it, and the limits; gives what the summary says of them.
+fn judge(arguments: &Arguments, trace: &Identification, extra: &mut Extra) -> String {
+    let limits = arguments.limits.all();
+    if arguments.json.is_none() && arguments.report.is_none() && limits.is_empty() {
+        return String::new();
+    }
+    let said = match budget::traced::budget(trace) {
+        Ok(budget) => {
+            extra.budget = budget;
+            let first = extra.budget.as_ref().and_then(|budget| budget.motions.first());
+            first.map_or_else(String::new, |motion| format!("\n\n{}", budget::text::of_motion(motion)))
+        }
+        Err(error) => format!("\n\nNo error budget: {error}."),
+    };
+    extra.limits = budget::traced::limits(trace, &extra.contour_errors, extra.budget.as_ref(), limits);
+    said + &limits::text(&extra.limits)
 }
 
 /// Writes the outputs that are asked for; gives what the summary says of them.
-fn write(arguments: &Arguments, trace: &Identification, contour_errors: Vec<LogError>) -> Result<String> {
+fn write(arguments: &Arguments, trace: &Identification, extra: &mut Extra) -> Result<String> {
     let mut said = String::new();
     if let Some(path) = &arguments.propose {
         said += propose(trace, path)?;
     }
-    let budget = match (&arguments.json, &arguments.report) {
-        (None, None) => None,
-        _ => match budget::traced::budget(trace) {
-            Ok(budget) => budget,
-            Err(error) => {
-                said += &format!("\n\nNo error budget: {error}.");
-                None
-            }
-        },
-    };
-    let document = trace::json::Document::of(trace, &contour_errors, arguments.empirical);
-    write_json(arguments.json.as_ref(), &Document::of(document, budget.as_ref()))?;
+    let document = trace::json::Document::of(trace, &extra.contour_errors, arguments.empirical);
+    write_json(arguments.json.as_ref(), &Document::of(document, extra.budget.as_ref(), &extra.limits))?;
     if let Some(path) = &arguments.model {
         write_whole(path, |out| out.write_all(trace.better_machine().to_toml().as_bytes()))?;
     }
     if let Some(folder) = &arguments.report {
-        let title = format!("Lost motion of {}", trace.machine().name);
-        let path =
-            trace_page::write(folder, trace, &Extra { title, contour_errors, budget, ..Extra::default() })?;
-        said += &format!("\n\nReport: {}", path.display());
+        extra.title = format!("Lost motion of {}", trace.machine().name);
+        extra.circumstances = arguments.certificate.circumstances(&arguments.paths());
+        said += &format!("\n\nReport: {}", trace_page::write(folder, trace, extra)?.display());
     }
     Ok(said)
 }

@@ -5,14 +5,18 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use serde_json::json;
 
+use super::help;
+use super::limits::{self, ToolLimitArguments};
 use super::logs;
 use super::outputs::{check_json_and_page, print, write_json};
 use super::progress::Progress;
 use super::reading::ReadingArguments;
 use super::sound_logs::SoundLogs;
+use budget::limits::{Judged, Trust, judged};
 use compensate::alignment::aligned;
 use compensate::{CompensationFile, mapped};
 use contour::comparison;
+use contour::log_error::LogError;
 use contour::verification::{Change, Prediction, Predictions, VerifiedMotion, pairs};
 use files::error::InputError;
 use files::log::{Log, Unit};
@@ -21,6 +25,7 @@ use report::verification_page::{self, remarks, summary};
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
+#[command(after_help = help::VERIFY)]
 pub struct Arguments {
     /// Machine file.
     #[arg(long)]
@@ -41,13 +46,16 @@ pub struct Arguments {
     #[arg(long)]
     report: Option<PathBuf>,
     #[command(flatten)]
+    limits: ToolLimitArguments,
+    #[command(flatten)]
     reading: ReadingArguments,
 }
 
 /// Runs the command.
 ///
 /// # Errors
-/// Input that cannot be used, output that cannot be written; a motion that became worse or is not as predicted.
+/// Input that cannot be used, output that cannot be written; a motion that became worse or is not as predicted; with `--check`, a limit
+/// that is not kept after the change or not known to be.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let logs = arguments.before.iter().chain(&arguments.after);
     let inputs: Vec<&Path> =
@@ -64,14 +72,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         check_predictions(file, &predictions, &motions)?;
     }
     let all: Vec<_> = motions.iter().map(VerifiedMotion::json).collect();
-    write_json(arguments.json.as_ref(), &json!({"motions": all}))?;
-    let mut output = text(&motions, arguments.predicted.is_some(), &remarks);
+    let after: Vec<LogError> = motions.iter().map(VerifiedMotion::log_after).collect();
+    let by = Judged { logs: &after, faulty: &[], motions: &[], trust: Trust::Whole };
+    let limits = judged(arguments.limits.all(), &by);
+    write_json(arguments.json.as_ref(), &json!({"motions": all, "limits": limits}))?;
+    let mut output = text(&motions, arguments.predicted.is_some(), &remarks) + &limits::text(&limits);
     if let Some(folder) = &arguments.report {
-        let path = verification_page::write(folder, &machine.name, &motions)?;
+        let path = verification_page::write(folder, &machine.name, &motions, &limits)?;
         output += &format!("\n\nReport: {}", path.display());
     }
     print(&output)?;
-    failure(&motions)
+    failure(&motions)?;
+    arguments.limits.checked(&limits)
 }
 
 /// Checks that at least one motion has a prediction: without one, nothing would be compared.

@@ -11,8 +11,8 @@ use model::machine::Machine;
 use plant::instruments::Instruments;
 use serde_json::{Value, json};
 
-use trace::Progress;
 use crate::request::Compensate;
+use trace::Progress;
 
 /// The files for the control with their remarks, the compensation file of our own controller, and what is compensated.
 ///

@@ -66,9 +66,13 @@ mod tests {
             ours.len(),
             theirs.len()
         );
-        let seen = asked(&format!(r#"{{"task":"look","files":{files}}}"#), [ours, theirs].concat().as_bytes());
+        let seen =
+            asked(&format!(r#"{{"task":"look","files":{files}}}"#), [ours, theirs].concat().as_bytes());
         let [log, unknown] = &seen["ok"].as_array().unwrap()[..] else { panic!("{seen}") };
-        assert_eq!((&log["kind"], &log["rate_hz"], &log["seconds"]), (&json!("log"), &json!(2.0), &json!(1.5)));
+        assert_eq!(
+            (&log["kind"], &log["rate_hz"], &log["seconds"]),
+            (&json!("log"), &json!(2.0), &json!(1.5))
+        );
         assert_eq!(log["axes"], json!([{"name": "x", "unit": "mm", "columns": ["x_command_mm"]}]));
         assert_eq!(unknown["kind"], "unknown");
         assert_eq!(unknown["columns"][1], json!({"name": "2", "unit": null, "first": [1.5, 2.5, 3.5]}));

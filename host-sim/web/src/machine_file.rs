@@ -4,9 +4,9 @@ use init::known::{self, Known};
 use model::machine::Machine;
 use serde_json::{Value, json};
 
-use trace::Progress;
 use crate::log_file;
 use crate::request::{DroppedFile, Init};
+use trace::Progress;
 
 /// The text of the machine file, and what was found and what stays unknown.
 ///

@@ -130,8 +130,7 @@ impl ListedFile {
         }
         let mappings = self.map.iter().map(|text| text.parse::<Mapping>()).collect::<Result<_, _>>()?;
         let units = self.unit.iter().map(|text| text.parse::<UnitOf>()).collect::<Result<_, _>>()?;
-        let preset = self.preset.as_deref().map(str::parse::<Format>).transpose();
-        let preset = preset.map_err(|problem| problem.to_string())?;
+        let preset = self.preset.as_deref().map(str::parse::<Format>).transpose()?;
         Ok(Reading { mappings, units, rate_hz: self.rate_hz, preset })
     }
 }

@@ -7,9 +7,9 @@ use report::sentences;
 use report::trace_page::{self, Extra};
 use serde_json::{Value, json};
 
-use trace::Progress;
 use crate::log_file;
 use crate::request::{DroppedFile, Trace};
+use trace::Progress;
 
 /// The result as the JSON of the command line, the page, the better machine file, and its sentences.
 ///
@@ -29,7 +29,7 @@ pub fn of_logs(request: &Trace, files: &[DroppedFile<'_>], progress: &Progress<'
         None
     });
     let document = trace::json::Document::of(&trace, &contour_errors, false);
-    let document = Document::of(document, budget.as_ref());
+    let document = Document::of(document, budget.as_ref(), &[]);
     let document = serde_json::to_value(&document).map_err(|error| error.to_string())?;
     let title = format!("Lost motion of {}", trace.machine().name);
     let extra = Extra { title, contour_errors, budget, lead: notes, ..Extra::default() };

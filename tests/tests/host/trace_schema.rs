@@ -27,7 +27,7 @@ fn the_schema_is_that_of_the_types() {
 fn document(trace: &Identification, contour_errors: &[LogError]) -> Value {
     let budget = traced::budget(trace).unwrap();
     assert!(budget.is_some(), "every case has a linear axis");
-    Document::of(trace::json::Document::of(trace, contour_errors, true), budget.as_ref()).value()
+    Document::of(trace::json::Document::of(trace, contour_errors, true), budget.as_ref(), &[]).value()
 }
 
 fn errors(document: &Value) -> Vec<String> {

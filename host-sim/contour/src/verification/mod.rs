@@ -14,6 +14,7 @@ use serde_json::{Value, json};
 
 use super::comparison::Comparison;
 use super::evaluation::ContourError;
+use super::log_error::LogError;
 use super::logged::{LoggedMotion, POSITIONS, has, log_name};
 use files::error::InputError;
 use files::log::{Channel, Log};
@@ -94,6 +95,17 @@ impl VerifiedMotion {
             Change::Better
         } else {
             Change::Unchanged
+        }
+    }
+
+    /// The contour error after the change, under the name of its log.
+    #[must_use]
+    pub fn log_after(&self) -> LogError {
+        LogError {
+            log: log_name(&self.files[1]),
+            axes: self.axes.clone(),
+            channel: self.channel,
+            error: self.after.clone(),
         }
     }
 

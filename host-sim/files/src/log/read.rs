@@ -11,7 +11,7 @@ use crate::table::Table;
 /// Name of the column of the times.
 pub const TIME: &str = "time_s";
 /// What the columns of a log may be called, for messages.
-pub const ALLOWED: &str = "time_s, NAME_command|motor|table|tool_mm|deg or NAME_force|added_force_n|nm";
+pub const ALLOWED: &str = "time_s, or, of an axis x: x_command_mm, x_motor_mm, x_table_mm, x_tool_mm, x_force_n, x_added_force_n (rotary: _deg and _nm)";
 
 impl Log {
     /// Reads a log; `-` is standard input, and gzip is recognised by the suffix or the first bytes.

@@ -75,7 +75,7 @@ fn a_wrong_header_is_an_error_that_names_the_column() {
         (
             "x_motor_mm",
             "x_motr_mm",
-            "line 1: x_motr_mm: expected a column time_s, NAME_command|motor|table|tool_mm|deg or NAME_force|added_force_n|nm, found \"x_motr_mm\"",
+            "line 1: x_motr_mm: expected a column time_s, or, of an axis x: x_command_mm, x_motor_mm, x_table_mm, x_tool_mm, x_force_n, x_added_force_n (rotary: _deg and _nm), found \"x_motr_mm\"",
         ),
         ("x_motor_mm", "x_motor_um", "line 1: x_motor_um: expected a column time_s, NAME_"),
         ("x_motor_mm", "_motor_mm", "line 1: _motor_mm: expected a column time_s, NAME_"),

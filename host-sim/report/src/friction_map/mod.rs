@@ -70,7 +70,7 @@ fn tried(rounds: &[Round]) -> Markup {
         ))
         @for (number, round) in (1..).zip(rounds) {
             h3 { "Round " (number) }
-            (table(&columns, &rows(round)))
+            (table(&format!("Terms tried in round {number}"), &columns, &rows(round)))
         }
     }
 }

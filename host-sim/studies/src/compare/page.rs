@@ -10,7 +10,7 @@ use crate::compare::pipeline::Pipeline;
 use crate::compare::{Comparison, Row};
 use files::format::significant;
 use files::output::OutputError;
-use pages::markup::{figure, legend, line_entry, note, number_cell, paragraph, section, text};
+use pages::markup::{figure, legend, line_entry, note, number_cell, paragraph, section, table_with, text};
 use pages::plot::{Chart, Ink, Layer};
 use shared::scalar::Format;
 
@@ -56,31 +56,30 @@ pub fn nanometres(nm: f64) -> String {
 }
 
 fn table(comparison: &Comparison) -> Markup {
-    html! {
-        (note(TABLE_NOTE))
-        div.scroll {
-            table {
-                thead {
-                    tr {
-                        th rowspan="2" scope="col" { "motion" }
-                        th rowspan="2" scope="col" { "arithmetic" }
-                        th colspan="2" scope="colgroup" { "command, nm" }
-                        th colspan="2" scope="colgroup" { "position, nm" }
-                        th.n rowspan="2" scope="col" { "drift, nm" }
-                        th.n rowspan="2" scope="col" { "instructions" br; "a tick" }
-                    }
-                    tr {
-                        @for _ in ["command", "position"] {
-                            th.n scope="col" { "max" }
-                            th.n scope="col" { "rms" }
-                        }
-                    }
-                }
-                tbody {
-                    @for row in &comparison.rows { (table_row(row)) }
+    let parts = html! {
+        thead {
+            tr {
+                th rowspan="2" scope="col" { "motion" }
+                th rowspan="2" scope="col" { "arithmetic" }
+                th colspan="2" scope="colgroup" { "command, nm" }
+                th colspan="2" scope="colgroup" { "position, nm" }
+                th.n rowspan="2" scope="col" { "drift, nm" }
+                th.n rowspan="2" scope="col" { "instructions " br; "a tick" }
+            }
+            tr {
+                @for _ in ["command", "position"] {
+                    th.n scope="col" { "max" }
+                    th.n scope="col" { "rms" }
                 }
             }
         }
+        tbody {
+            @for row in &comparison.rows { (table_row(row)) }
+        }
+    };
+    html! {
+        (note(TABLE_NOTE))
+        (table_with("", "Errors and cost", &parts))
     }
 }
 

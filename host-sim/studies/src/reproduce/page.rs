@@ -54,7 +54,7 @@ fn outcomes(outcomes: &[Outcome]) -> Markup {
     let rows = html! {
         @for outcome in outcomes { (row(outcome)) }
     };
-    table(&columns, &rows)
+    table("Printed values and ours", &columns, &rows)
 }
 
 fn row(outcome: &Outcome) -> Markup {

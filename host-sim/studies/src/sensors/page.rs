@@ -8,7 +8,7 @@ use super::SensorStudy;
 use super::row::Row;
 use files::format::significant;
 use files::output::OutputError;
-use pages::markup::{figure, legend, line_entry, note, number_cell, paragraph, section, text};
+use pages::markup::{figure, legend, line_entry, note, number_cell, paragraph, section, table_with, text};
 use pages::plot::{Chart, Ink, Layer};
 
 const COLUMNS: [&str; 11] = [
@@ -46,28 +46,27 @@ fn table(study: &SensorStudy) -> Markup {
          margin of {}°.",
         study.position_gain_per_s, study.gain_margin_db, study.phase_margin_deg
     );
-    html! {
-        (note(&remark))
-        div.scroll {
-            table {
-                thead {
-                    tr {
-                        th scope="col" { "feedback" }
-                        th scope="col" { "law" }
-                        @for column in COLUMNS { th.n scope="col" { (text(column)) } }
-                    }
-                }
-                tbody {
-                    @for row in &study.rows {
-                        tr {
-                            th scope="row" { (text(row.feedback)) }
-                            td { (text(row.controller)) }
-                            @for number in numbers(row) { (number_cell(&number)) }
-                        }
-                    }
+    let parts = html! {
+        thead {
+            tr {
+                th scope="col" { "feedback" }
+                th scope="col" { "law" }
+                @for column in COLUMNS { th.n scope="col" { (text(column)) } }
+            }
+        }
+        tbody {
+            @for row in &study.rows {
+                tr {
+                    th scope="row" { (text(row.feedback)) }
+                    td { (text(row.controller)) }
+                    @for number in numbers(row) { (number_cell(&number)) }
                 }
             }
         }
+    };
+    html! {
+        (note(&remark))
+        (table_with("", "Contour errors and margins", &parts))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use files::format::significant;
 use serde_json::Value;
 
 use super::work_folder::{MACHINE, MOTION, SIMULATE, TRACE, WorkFolder, log};
@@ -130,7 +131,7 @@ fn no_effect_is_found_without_undeclared_effects() {
     assert!(folder.read("report/report.html").starts_with("<!DOCTYPE html>"));
 }
 
-/// The summary shows circular deviation G, hysteresis H and the largest reversal peak of the JSON, rounded to 0.01 µm.
+/// The summary shows circular deviation G, hysteresis H and the largest reversal peak of the JSON, with three digits.
 fn assert_contour_table(stdout: &str, json: &Value) {
     let mut lines = stdout.lines().skip_while(|line| !line.starts_with("contour error, µm"));
     let heading: Vec<&str> = lines.next().unwrap().split_whitespace().skip(3).collect();
@@ -143,7 +144,7 @@ fn assert_contour_table(stdout: &str, json: &Value) {
     let peak = peaks.map(|um| um.as_f64().unwrap()).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap();
     let um = |key: &str| at(circle, key).as_f64().unwrap();
     let expected = [um("/circular_deviation_um"), um("/circular_hysteresis_um"), peak];
-    assert_eq!(row[4..7], expected.map(|um| format!("{um:.2}")), "{row:?}");
+    assert_eq!(row[4..7], expected.map(|um| significant(um, 3)), "{row:?}");
     // The lines of the demo's friction: a figure that is not evaluated would be exactly 0.
     assert!(expected.iter().all(|um| um.abs() > 0.01), "{expected:?}");
 }

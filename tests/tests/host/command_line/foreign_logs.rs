@@ -215,7 +215,7 @@ fn what_is_missing_is_told_in_one_line() {
     assert!(plain.contains("a.txt: line 1: expected --map OURS=THEIRS for at least one channel"), "{plain}");
     assert!(plain.ends_with(advice), "{plain}");
     for (arguments, expected) in [
-        ("--map x_motr_mm=x", "--map: expected time_s, NAME_command"),
+        ("--map x_motr_mm=x", "--map: expected time_s, or, of an axis x: x_command_mm"),
         ("--map x_motor_mm=y", "a.txt: line 1: expected a column of the file: \"t\", \"x\", found \"y\""),
         ("--rate 0", "--rate: expected a number of samples per second, found \"0\""),
         ("--preset parquet", "a.txt: expected a Parquet file"),

@@ -2,6 +2,7 @@
 
 mod accepted;
 mod board_arguments;
+mod certificate;
 mod circle;
 mod compare;
 mod compensate;

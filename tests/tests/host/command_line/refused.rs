@@ -84,7 +84,7 @@ fn logs_without_a_table_of_the_known_columns() {
         bad_log(without_time(), &["fit.csv: line 1: time_s: expected this column"]),
         bad_log(
             with(log(), "x_motor_mm", "x_moter_mm"),
-            &["fit.csv: line 1: x_moter_mm: expected a column time_s, NAME_command"],
+            &["fit.csv: line 1: x_moter_mm: expected a column time_s, or, of an axis x: x_command_mm"],
         ),
         bad_log(
             with(log(), "x_table_mm", "x_table_deg"),

@@ -46,7 +46,8 @@ fn parts(example: &str) -> Vec<Part<'_>> {
 fn is_same(found: &str, shown: &str) -> bool {
     let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
     let (found, shown) = (words(found), words(shown));
-    let same = |(a, b): (&String, &String)| match (a.parse::<f64>(), b.parse::<f64>()) {
+    let number = |word: &str| word.replace('−', "-").parse::<f64>();
+    let same = |(a, b): (&String, &String)| match (number(a), number(b)) {
         (Ok(a), Ok(b)) => (a - b).abs() <= 0.02 + 0.05 * b.abs(),
         _ => a == b,
     };

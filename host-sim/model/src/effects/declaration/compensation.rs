@@ -88,6 +88,15 @@ impl EffectCompensation {
         matches!(self, Self::Compensated { .. })
     }
 
+    /// What to do about the effect: the compensation, or what to do at the machine.
+    #[must_use]
+    pub fn remedy(&self) -> String {
+        match self {
+            Self::Compensated { .. } => format!("compensate: {}", self.description()),
+            Self::Not { instead, .. } => (*instead).to_owned(),
+        }
+    }
+
     /// What the controller does about the effect, and what to set against what it leaves; empty if it does nothing.
     #[must_use]
     pub fn description(&self) -> String {

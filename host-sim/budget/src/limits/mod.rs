@@ -1,0 +1,15 @@
+//! Limits of the figures at the tool, and whether they are kept.
+//!
+//! A figure is judged where it was measured at the tool, in any log; else as the error budget predicts it. What can be judged by neither is
+//! unknown, which is never a pass.
+
+mod judge;
+mod judgement;
+mod limit;
+
+#[cfg(test)]
+mod tests;
+
+pub use judge::{Judged, Trust, judged};
+pub use judgement::{Basis, Judgement, Outcome, summary};
+pub use limit::{Figure, Limit};
