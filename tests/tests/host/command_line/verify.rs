@@ -109,11 +109,11 @@ fn a_better_machine_is_confirmed_on_every_motion() {
 /// `simulate` evaluates the path of the motion file, `verify` that of the logged command, which differ by rounding only.
 #[test]
 fn simulate_prints_the_same_contour_error() {
+    /// Half of the last digit that is printed of 10 to 100 µm, and 10 nm by which the logged command is rounded.
+    const TOLERANCE_UM: f64 = 0.05 + 0.01;
     let folder = folder();
     folder.succeeds(&format!("{VERIFY} --before circle_with.csv --after circle_without.csv"));
     let json = json(&folder);
-    // Half of the last digit that is printed of 10 to 100 µm, and 10 nm by which the logged command is rounded.
-    const TOLERANCE_UM: f64 = 0.05 + 0.01;
     for (index, key) in [(0, "rms"), (1, "max")] {
         let verified = number(&json, &format!("/motions/0/contour_error_um/before/{key}"));
         let simulated = printed(&logs().summary, "whole path", index);
