@@ -142,7 +142,7 @@ fn body(stream: TcpStream) -> Option<String> {
 
 /// Greatest relative difference of a figure in a browser from that of the program: sine, cosine and powers of the two have other last bits, which
 /// the fits of a trace enlarge. Measured: docs/browser.md.
-const LARGEST_DIFFERENCE: f64 = 1e-3;
+const LARGEST_DIFFERENCE: f64 = 5e-3;
 
 /// Figures below this, most of them µm, are compared with this in their place: what is far below a nanometre has few digits that mean anything.
 const SMALL: f64 = 1.0;
