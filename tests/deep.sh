@@ -7,7 +7,7 @@
 #   tests/deep.sh properties [SEEDS]   the property tests with this many new seeds (100): the usual run has a fixed one
 #   tests/deep.sh bits                 a million ticks of random motions, host against emulated core, fixed point and f32
 #   tests/deep.sh fuzz [SECONDS]       fuzzing of link, lock-step protocol and readers of foreign logs (600), with cargo-fuzz
-#   tests/deep.sh long                 tests of `host` that tests/run.sh has no time for: the tracer in a browser, init on every case
+#   tests/deep.sh host                 tests of `host` that tests/run.sh has no time for: the tracer in a browser, init on every case
 #   tests/deep.sh fleet                tools/fleet.py on a local cluster, with and without killed workers: docs/fleet.md
 #
 # A PART is a module of shared/src: control, drive, feedback, safety, monitor, machine, lockstep unless named; link,
@@ -148,9 +148,8 @@ properties() {
 bits() { cargo test --release --package tests --test chip random_motions:: -- --ignored --nocapture; }
 
 # Tests for which tests/run.sh has no time. The browser is that of the system: chromium, or google-chrome.
-long() {
+host() {
   rustup target list --installed | grep -qx wasm32-unknown-unknown || rustup target add wasm32-unknown-unknown
-  cargo test --release --test host --no-run
   cargo build --release --bins
   cargo test --release --test host -- --nocapture app_in_browser:: init::cases::all_other_cases
 }
@@ -199,7 +198,7 @@ case ${1:-all} in
 all)
   properties 100
   bits
-  long
+  host
   sweep 20
   fuzz 600
   fleet
@@ -231,11 +230,11 @@ fuzz)
 fleet)
   fleet
   ;;
-long)
-  long
+host)
+  host
   ;;
 *)
-  echo "$1: expected mutants, miri, properties, bits, long, sweep, fuzz or fleet" >&2
+  echo "$1: expected mutants, miri, properties, bits, host, sweep, fuzz or fleet" >&2
   exit 2
   ;;
 esac

@@ -23,13 +23,14 @@ long=(
   budget::second_simulator::the_first_cause_is_the_true_one_on_fifty_machines
 )
 
-# Tests of `host` that are left to `tests/deep.sh long`: with them, `all` would not end within the time of CI on two cores.
+# Tests of `host` that are left to `tests/deep.sh host`: with them, `all` would not end within the time of CI on two cores.
 deep=(app_in_browser:: init::cases::all_other_cases)
 
-# Arguments that leave tests out.
-without() {
-  local test
-  for test in "$@"; do printf -- '--skip %s ' "$test"; done
+# The tests of the host without some, by parts of their names.
+tests_of_host_without() {
+  local test skipped=()
+  for test in "$@"; do skipped+=(--skip "$test"); done
+  tests_of_host "${skipped[@]}"
 }
 
 step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
@@ -108,8 +109,7 @@ tests_of_host() {
 # The tests that talk to an emulated board, which ticks in real time, run before the traces, which use all cores.
 all_tests() {
   cargo test --release --test chip
-  # shellcheck disable=SC2046 # names of tests have no spaces
-  tests_of_host $(without "${deep[@]}")
+  tests_of_host_without "${deep[@]}"
   cargo test --release --test second_simulator --test textbook --test measured
   cargo test --release --doc
   cargo test --release --examples
@@ -149,7 +149,6 @@ fi
 if [ "${1:-}" = all ]; then
   all_tests
 else
-  # shellcheck disable=SC2046 # names of tests have no spaces
-  tests_of_host $(without "${long[@]}" "${deep[@]}")
+  tests_of_host_without "${long[@]}" "${deep[@]}"
 fi
 step "done"

@@ -1,7 +1,7 @@
 //! What a circle alone shows, without a machine file: the figures of ISO 230-4, and the parts of which the radial deviation is made, in
 //! µm and ranked, with their intervals and what they may be confused with.
 //!
-//! - [`measured`], [`of_log`], [`radius_table`]: a circle from a log, or from the radius of a ballbar
+//! - [`measured`], [`of_files`], [`of_log`], [`radius_table`]: a circle from a log, or from the radius of a ballbar
 //! - [`samples`]: what was measured, sample by sample
 //! - [`iso`]: the figures of ISO 230-4
 //! - [`term`]: the terms of the deviation, with their equations
@@ -17,6 +17,7 @@ pub mod iso;
 pub mod json;
 mod lag;
 pub mod measured;
+pub mod of_files;
 pub mod of_log;
 pub mod part;
 pub mod parts;

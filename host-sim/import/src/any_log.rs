@@ -5,6 +5,7 @@
 //! foreign one. Every other file is imported, unless it has no row of
 //! numbers: then it is told what a log of ours has.
 
+use std::io::{Cursor, Read};
 use std::path::Path;
 
 use files::error::InputError;
@@ -19,6 +20,14 @@ use crate::{Foreign, Imported, ballbar, foreign};
 
 /// What to do about a file that is no log.
 const ADVICE: &str = "a log of another program is read with --map OURS=THEIRS, --unit, --rate and --preset: lost-motion import --help";
+
+/// What a file of a circle holds.
+pub enum Content<'a> {
+    /// A log.
+    Log(Imported),
+    /// A ballbar's table of radii in our columns, and what was assumed of it.
+    Radii(Box<dyn Read + 'a>, Vec<String>),
+}
 
 /// Whose the header of a file is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,6 +86,20 @@ pub fn log_or_ballbar(head: Head<'_>, source: &str, request: &Request) -> Result
             foreign(&bytes, source, request).map_err(advised)
         }
     }
+}
+
+/// Reads a log, or opens a table of radii, of ours or of another program; `source` is its name for messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn content<'a>(head: Head<'a>, source: &str, request: &Request) -> Result<Content<'a>, InputError> {
+    if ballbar::has_radius(&head.names()) {
+        return Ok(Content::Radii(head.into_input(), Vec::new()));
+    }
+    Ok(match log_or_ballbar(head, source, request)? {
+        Foreign::Log(imported) => Content::Log(imported),
+        Foreign::Ballbar(table) => Content::Radii(Box::new(Cursor::new(table.csv())), table.notes),
+    })
 }
 
 fn own(head: Head<'_>, source: &str) -> Result<Log, InputError> {

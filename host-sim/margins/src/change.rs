@@ -18,12 +18,24 @@ pub struct TooLittle {
     pub expected: String,
 }
 
-impl TooLittle {
-    /// The error of the file (`source`) whose compensation makes the change.
-    #[must_use]
-    pub fn error(&self, source: &str) -> InputError {
-        let expected = format!("settings that leave the {} loop {}", self.loop_name, self.expected);
-        InputError::expected(source, expected, &self.found).at_key(&format!("axis.{}.controller", self.axis))
+/// Checks that the change of a file (`source`) leaves the loops of a machine these margins. A machine that lacks the keys that they follow
+/// from cannot be simulated either, and is refused there.
+///
+/// # Errors
+/// The axis whose drive settings take a loop below the limits.
+pub fn check(
+    before: &Machine,
+    after: &Machine,
+    limits: MarginLimits,
+    source: &str,
+) -> Result<(), InputError> {
+    match first_too_little(before, after, &Instruments::of(before, 0), limits) {
+        Ok(Some(refused)) => {
+            let expected = format!("settings that leave the {} loop {}", refused.loop_name, refused.expected);
+            let key = format!("axis.{}.controller", refused.axis);
+            Err(InputError::expected(source, expected, refused.found).at_key(&key))
+        }
+        Ok(None) | Err(_) => Ok(()),
     }
 }
 

@@ -1,6 +1,5 @@
 //! `lost-motion circle`.
 
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
@@ -13,11 +12,9 @@ use super::reading::ReadingArguments;
 use ::circle::measured::Measured;
 use ::circle::radius_table::Nominal;
 use ::circle::{analyse, json, text};
-use ::import::request::Request;
-use ::import::{Foreign, any_log, ballbar};
+use ::import::any_log::{self, Content};
 use files::error::{InputError, quoted};
 use files::head::Head;
-use files::log::Log;
 use files::table::Table;
 
 /// Arguments of `circle`.
@@ -70,52 +67,22 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     print(&output)
 }
 
-/// A log, or a table of radii.
-enum Input<'a> {
-    Log(Log),
-    Table(Box<Table<'a>>),
-}
-
-/// The circle of one or two logs, or of one or two tables.
+/// The circle of one or two logs, or of one or two tables. What was assumed of a foreign file is told on stderr.
 fn read(arguments: &Arguments) -> Result<Measured, InputError> {
     let nominal = nominal(arguments)?;
     let request = arguments.reading.request()?;
     let sources: Vec<String> = arguments.log.iter().map(|path| path.display().to_string()).collect();
     let (mut tables, mut logs) = (Vec::new(), Vec::new());
     for (path, source) in arguments.log.iter().zip(&sources) {
-        match input(path, source, &request)? {
-            Input::Table(table) => tables.push((*table, source.clone())),
-            Input::Log(log) => logs.push(log),
+        match any_log::content(Head::open(path, source)?, source, &request)? {
+            Content::Log(imported) => logs.push(logs::told(imported)),
+            Content::Radii(input, notes) => {
+                logs::tell(source, &notes);
+                tables.push((Table::of_input(input, source)?, source.clone()));
+            }
         }
     }
-    match (&tables[..], &logs[..]) {
-        (_, []) => Measured::of_radius_tables(tables, nominal),
-        ([], logs) if nominal != Nominal::default() => {
-            let expected = "a table with radius_mm or radius_um beside --radius, --feed or --start";
-            Err(InputError::expected(&logs[0].source, expected, "a log"))
-        }
-        ([], logs) => Measured::of_logs(logs),
-        ([(_, table), ..], logs) => {
-            let expected = format!("a table with radius_mm or radius_um, as {table}");
-            Err(InputError::expected(&logs[0].source, expected, "a log"))
-        }
-    }
-}
-
-/// Opens a file. What was assumed of a foreign one is told on stderr.
-fn input<'a>(path: &Path, source: &'a str, request: &Request) -> Result<Input<'a>, InputError> {
-    let head = Head::open(path, source)?;
-    if ballbar::has_radius(&head.names()) {
-        return Ok(Input::Table(Box::new(Table::of_input(head.into_input(), source)?)));
-    }
-    match any_log::log_or_ballbar(head, source, request)? {
-        Foreign::Log(imported) => Ok(Input::Log(logs::told(imported))),
-        Foreign::Ballbar(table) => {
-            logs::tell(source, &table.notes);
-            let csv = Box::new(Cursor::new(table.csv()));
-            Ok(Input::Table(Box::new(Table::of_input(csv, source)?)))
-        }
-    }
+    Measured::of_files(&logs, tables, nominal)
 }
 
 /// The nominal values, checked.

@@ -8,10 +8,9 @@ use compensate::{CompensationFile, mapped};
 use contour::NominalPath;
 use files::error::InputError;
 use margins::MarginLimits;
-use margins::change::first_too_little;
+use margins::change;
 use model::machine::Machine;
 use plant::controller::Controller;
-use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 
 /// A compensation file and the machine with the drive settings that it changes.
@@ -53,8 +52,7 @@ impl Compensated {
     }
 }
 
-/// Checks that a compensation file leaves the loops of a machine these margins. A machine that lacks the keys that they follow
-/// from cannot be simulated either, and is refused there.
+/// Checks that a compensation file leaves the loops of a machine these margins, as [`change::check`].
 ///
 /// # Errors
 /// The axis whose drive settings take a loop below the limits.
@@ -64,9 +62,5 @@ pub fn check_margins(
     machine: &Machine,
     limits: MarginLimits,
 ) -> Result<(), InputError> {
-    let instruments = Instruments::of(machine, 0);
-    match first_too_little(machine, &file.applied_to(machine), &instruments, limits) {
-        Ok(Some(refused)) => Err(refused.error(source)),
-        Ok(None) | Err(_) => Ok(()),
-    }
+    change::check(machine, &file.applied_to(machine), limits, source)
 }

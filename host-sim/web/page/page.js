@@ -67,7 +67,7 @@ function fileEntry(file) {
     const heldOut = element("input", { type: "checkbox", checked: file.heldOut, onchange: () => { file.heldOut = heldOut.checked; } });
     const axes = seen.axes.map((axis) => `${axis.name}: ${axis.columns.join(", ")}`).join("; ");
     entry.append(`${seen.seconds.toFixed(1)} s at ${seen.rate_hz.toFixed(0)} Hz. ${axes}. `,
-      element("label", {}, heldOut, " keep for the check, not for the fit"), " ");
+      element("label", {}, heldOut, " hold out of the fit, to check it"), " ");
   } else if (seen.kind === "radii") {
     entry.append(`table of radii: ${seen.columns.join(", ")} `);
   } else {
@@ -92,7 +92,7 @@ function columnForm(file) {
     const unit = element("input", { value: column.unit ?? "", ariaLabel: `unit of ${column.name}`, placeholder: "as chosen" });
     return { column, choice, unit };
   });
-  const use = element("button", { type: "button", textContent: "Read the file so", onclick: () => {
+  const use = element("button", { type: "button", textContent: "Read the file this way", onclick: () => {
     file.map = {}; file.unit = {};
     for (const { column, choice, unit } of rows.filter((row) => row.choice.value)) {
       file.map[choice.value] = column.name;

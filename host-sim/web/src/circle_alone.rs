@@ -5,11 +5,11 @@ use circle::radius_table::Nominal;
 use circle::{analyse, json as circle_json, text};
 use files::error::InputError;
 use files::table::Table;
+use import::any_log::Content;
 use report::circle_page;
 use serde_json::{Value, json};
-use std::io::Cursor;
 
-use crate::log_file::{Content, content};
+use crate::log_file::content;
 use crate::request::{Circle, DroppedFile};
 
 /// The result as the JSON of the command line, the page, and the sentences.
@@ -33,20 +33,12 @@ fn measured(request: &Circle, files: &[DroppedFile<'_>]) -> Result<Measured, Inp
     for file in files {
         match content(file)? {
             Content::Log(imported) => logs.push(imported.log),
-            Content::Radii(bytes, _) => {
-                tables.push((Table::of_input(Box::new(Cursor::new(bytes)), &file.name)?, file.name.clone()));
+            Content::Radii(input, _) => {
+                tables.push((Table::of_input(input, &file.name)?, file.name.clone()));
             }
         }
     }
-    match (tables.is_empty(), logs.is_empty()) {
-        (true, _) => Measured::of_logs(&logs),
-        (false, true) => {
-            let nominal = Nominal { radius_mm: request.radius_mm, ..Nominal::default() };
-            Measured::of_radius_tables(tables, nominal)
-        }
-        (false, false) => {
-            let expected = "a table of radii, as the others are";
-            Err(InputError::expected(&logs[0].source, expected, "a log"))
-        }
-    }
+    // The page keeps a radius that was given for other files.
+    let radius_mm = request.radius_mm.filter(|_| logs.is_empty());
+    Measured::of_files(&logs, tables, Nominal { radius_mm, ..Nominal::default() })
 }

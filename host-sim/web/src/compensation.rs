@@ -6,7 +6,7 @@ use compensate::planning::Planning;
 use compensate::{standard_motions, text};
 use controls::Control;
 use margins::MarginLimits;
-use margins::change::first_too_little;
+use margins::change;
 use model::machine::Machine;
 use plant::instruments::Instruments;
 use serde_json::{Value, json};
@@ -35,11 +35,8 @@ pub fn of_model(request: &Compensate, progress: &Progress<'_>) -> Result<Value, 
     };
     let plan = planning.plan().map_err(|error| error.to_string())?;
     let after = plan.file.applied_to(&model);
-    if let Ok(Some(refused)) =
-        first_too_little(&model, &after, &planning.instruments, MarginLimits::default())
-    {
-        return Err(refused.error("compensation").to_string());
-    }
+    change::check(&model, &after, MarginLimits::default(), "compensation")
+        .map_err(|error| error.to_string())?;
     let written = controls::write(control, &model, &plan.file);
     let files = written.files.iter().map(|file| json!({"name": file.name, "text": file.text}));
     Ok(json!({

@@ -4,40 +4,20 @@ use files::error::InputError;
 use files::head::Head;
 use files::log::{AxisLog, Channel, Log, Unit};
 use files::segments::unpacked;
-use files::table::Table;
+use import::any_log::{self, Content};
 use import::budget::Budget;
-use import::{Foreign, Imported, any_log, ballbar, read};
+use import::{Imported, ballbar, read};
 use serde_json::{Value, json};
-use std::io::Cursor;
 
 use crate::request::DroppedFile;
 
-/// What a file holds.
-pub enum Content {
-    /// A log, and what was assumed of it.
-    Log(Imported),
-    /// A table of radii of a ballbar, and what was assumed of it.
-    Radii(Vec<u8>, Vec<String>),
-}
-
-/// Reads a file, packed by gzip or not.
+/// What a file holds, packed by gzip or not.
 ///
 /// # Errors
 /// As [`any_log::read`].
-pub fn content(file: &DroppedFile<'_>) -> Result<Content, InputError> {
+pub fn content<'a>(file: &DroppedFile<'a>) -> Result<Content<'a>, InputError> {
     let input = unpacked(Box::new(file.bytes), false, &file.name)?;
-    let head = Head::of(input, &file.name)?;
-    if ballbar::has_radius(&head.names()) {
-        let bytes = Budget::file().read(head.into_input(), &file.name)?;
-        return Ok(Content::Radii(bytes, Vec::new()));
-    }
-    Ok(match any_log::log_or_ballbar(head, &file.name, &file.reading)? {
-        Foreign::Log(imported) => Content::Log(imported),
-        Foreign::Ballbar(table) => {
-            let notes = table.notes.clone();
-            Content::Radii(table.csv().into_bytes(), notes)
-        }
-    })
+    any_log::content(Head::of(input, &file.name)?, &file.name, &file.reading)
 }
 
 /// The logs of files, those of the fit and those that are held out.
@@ -68,10 +48,10 @@ pub fn look(file: &DroppedFile<'_>) -> Value {
             "axes": log.axes.iter().map(axis).collect::<Value>(),
             "notes": notes,
         }),
-        Ok(Content::Radii(bytes, notes)) => json!({
+        Ok(Content::Radii(input, notes)) => json!({
             "name": file.name,
             "kind": "radii",
-            "columns": Table::of_input(Box::new(Cursor::new(&bytes)), &file.name).map_or_else(|_| Vec::new(), |table| table.names().to_vec()),
+            "columns": Head::of(input, &file.name).map_or_else(|_| Vec::new(), |head| head.names()),
             "notes": notes,
         }),
         Err(error) => json!({

@@ -1,5 +1,5 @@
 //! The tracer in headless Chromium, from the one file of `lost-motion app`: files are dropped on the page, and what it shows is what the
-//! commands print. `run.sh all` installs Chromium and the target of browsers; without them, the test says so and passes.
+//! commands print. `tests/deep.sh host` runs them. Without Chromium or the target of browsers, the tests say so and pass.
 
 use std::ffi::OsStr;
 use std::fs;

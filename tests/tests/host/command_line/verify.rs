@@ -109,8 +109,8 @@ fn a_better_machine_is_confirmed_on_every_motion() {
 /// `simulate` evaluates the path of the motion file, `verify` that of the logged command, which differ by rounding only.
 #[test]
 fn simulate_prints_the_same_contour_error() {
-    /// Half of the last digit that is printed of 10 to 100 µm, and 10 nm by which the logged command is rounded.
-    const TOLERANCE_UM: f64 = 0.05 + 0.01;
+    /// Half of the last digit that is printed of 10 to 100 µm, and 1 nm: the logged command is rounded to a tenth of it.
+    const TOLERANCE_UM: f64 = 0.05 + 0.001;
     let folder = folder();
     folder.succeeds(&format!("{VERIFY} --before circle_with.csv --after circle_without.csv"));
     let json = json(&folder);
