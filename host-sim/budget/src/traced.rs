@@ -35,13 +35,35 @@ pub struct Document {
     budget: Option<json::Document>,
     /// The limits that were asked for, with pass, fail or unknown.
     limits: Vec<Judgement>,
+    /// When and where it was traced, as far as it was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    circumstances: Option<Circumstances>,
+}
+
+/// When and where a machine was traced.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct Circumstances {
+    /// Serial number of the machine.
+    pub serial: Option<String>,
+    /// Who traced it.
+    pub operator: Option<String>,
+    /// The date, as 2026-11-27.
+    pub date: Option<String>,
+    /// Temperature of the machine while it was logged.
+    pub temperature_c: Option<f64>,
 }
 
 impl Document {
     /// The result of a trace with the budget of its model, and what became of limits.
     #[must_use]
     pub fn of(trace: trace::json::Document, budget: Option<&Budget>, limits: &[Judgement]) -> Self {
-        Self { trace, budget: budget.map(json::Document::of), limits: limits.to_vec() }
+        Self { trace, budget: budget.map(json::Document::of), limits: limits.to_vec(), circumstances: None }
+    }
+
+    /// The document with its circumstances.
+    #[must_use]
+    pub fn under(self, circumstances: Option<Circumstances>) -> Self {
+        Self { circumstances, ..self }
     }
 
     /// The document as a JSON value.

@@ -95,8 +95,9 @@ pub struct Chart<'a> {
     pub x: &'a str,
     /// Label of the vertical axis, with its unit.
     pub y: &'a str,
-    /// Half height of the noise band, in the unit of y; 0: none.
-    pub noise: f64,
+    /// Half height of the noise band about zero, in the unit of y; 0: only the line y = 0. `None`: values that are not about zero, which need
+    /// not be shown.
+    pub noise: Option<f64>,
     /// Curves and surfaces, from back to front.
     pub layers: Vec<Layer>,
 }
@@ -157,12 +158,13 @@ impl Chart<'_> {
 
     /// The noise band, the line y = 0, and the layers over them.
     fn draw_layers(&self, plane: &Plane<'_>, (left, right): (f64, f64)) -> Result<(), Failure> {
-        if self.noise > 0.0 {
-            let corners =
-                vec![(left, -self.noise), (left, self.noise), (right, self.noise), (right, -self.noise)];
-            draw_surface(plane, Ink::Noise, corners)?;
+        if let Some(noise) = self.noise {
+            if noise > 0.0 {
+                let corners = vec![(left, -noise), (left, noise), (right, noise), (right, -noise)];
+                draw_surface(plane, Ink::Noise, corners)?;
+            }
+            plane.draw(&PathElement::new(vec![(left, 0.0), (right, 0.0)], Ink::Zero.colour()))?;
         }
-        plane.draw(&PathElement::new(vec![(left, 0.0), (right, 0.0)], Ink::Zero.colour()))?;
         for layer in &self.layers {
             if matches!(layer.ink, Ink::BeforeRange | Ink::Noise) {
                 draw_surface(plane, layer.ink, layer.points.clone())?;
@@ -178,9 +180,10 @@ impl Chart<'_> {
 
     /// Ends of both axes: they include all points and the noise band, vertically with a margin.
     fn range(&self) -> ((f64, f64), (f64, f64)) {
+        let noise = self.noise.into_iter().flat_map(|noise| [-noise, noise]);
         let points = || self.layers.iter().flat_map(|layer| &layer.points);
         let (left, right) = bounds(points().map(|point| point.0));
-        let (low, high) = bounds(points().map(|point| point.1).chain([-self.noise, self.noise]));
+        let (low, high) = bounds(points().map(|point| point.1).chain(noise));
         let margin = 0.06 * (high - low);
         ((left, right), (low - margin, high + margin))
     }
@@ -248,7 +251,7 @@ mod tests {
             description: "two lines",
             x: "time, s",
             y: "residual, µm",
-            noise: 0.1,
+            noise: Some(0.1),
             layers: vec![
                 line(Ink::BeforeRange),
                 line(Ink::Before),

@@ -15,7 +15,7 @@ use trace::verdict::{self, Verdict};
 use trace::{AxisIdentification, Identification};
 
 /// What is told of a trace besides its result. What is not given does not stand on the page.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Circumstances {
     /// Serial number of the machine.
     pub serial: Option<String>,
@@ -23,6 +23,8 @@ pub struct Circumstances {
     pub operator: Option<String>,
     /// The date.
     pub date: Option<String>,
+    /// Temperature of the machine while it was logged, °C.
+    pub temperature_c: Option<f64>,
     /// How the program was called.
     pub command_line: Option<String>,
 }
@@ -144,6 +146,7 @@ pub fn circumstances(trace: &Identification, told: &Circumstances) -> Markup {
         ("serial number", told.serial.clone()),
         ("operator", told.operator.clone()),
         ("date", told.date.clone()),
+        ("temperature", told.temperature_c.map(|celsius| format!("{celsius} °C"))),
         ("logs fitted", Some(fit)),
         ("logs held out", Some(held_out)),
         ("program", Some(format!("lost-motion {}", env!("CARGO_PKG_VERSION")))),

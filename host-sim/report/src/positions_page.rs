@@ -84,7 +84,7 @@ fn measured(analysis: &Analysis) -> Markup {
         description: "Each reading, the means in both directions, and two standard deviations about them.",
         x: "target, mm",
         y: "deviation, µm",
-        noise: 0.0,
+        noise: Some(0.0),
         layers: bands.into_iter().chain(lines).collect(),
     };
     html! {
@@ -141,7 +141,7 @@ fn left(analysis: &Analysis) -> Markup {
         description: "Each reading less the effects found.",
         x: "target, mm",
         y: "left, µm",
-        noise: 2.0 * analysis.scatter_um.unwrap_or(0.0),
+        noise: Some(2.0 * analysis.scatter_um.unwrap_or(0.0)),
         layers: fitted.chain(held).collect(),
     };
     html! {
@@ -182,7 +182,7 @@ fn runs(analysis: &Analysis) -> Markup {
         description: "The deviation at each target in each direction, less its mean, over the runs.",
         x: "run",
         y: "change, µm",
-        noise: 0.0,
+        noise: Some(0.0),
         layers,
     };
     figure("wide", &chart.svg(), "Deviation at each target in each direction, less its mean over the runs.")

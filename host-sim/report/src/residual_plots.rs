@@ -130,7 +130,7 @@ fn time_chart(
         description: &caption,
         x: "time, s",
         y: &format!("residual, {unit}"),
-        noise: 2.0 * view.data.noise_of_log(&view.trace.model, stage, log),
+        noise: Some(2.0 * view.data.noise_of_log(&view.trace.model, stage, log)),
         layers,
     };
     (chart.svg(), caption)
@@ -167,7 +167,7 @@ fn mean_chart(view: &AxisView<'_>, stage: Stage, abscissa: &Abscissa) -> Option<
         description: "All validation logs together.",
         x: &label,
         y: &format!("mean residual, {}", residual_unit(view.trace.unit, stage).0),
-        noise: 0.0,
+        noise: Some(0.0),
         layers,
     };
     Some(chart.svg())

@@ -131,6 +131,7 @@ fn the_page_names_what_it_was_told_and_nothing_else() {
         operator: Some("A. Smith".to_owned()),
         date: Some("2026-11-27".to_owned()),
         command_line: Some("lost-motion trace --fit fit.csv".to_owned()),
+        temperature_c: Some(21.5),
     };
     let page = html(&trace, &Extra { circumstances: told, ..extra("name = 'backlash'\nwidth_um = 4") });
     let row = |name: &str, value: &str| format!("<th scope=\"row\">{name}</th><td>{value}</td>");

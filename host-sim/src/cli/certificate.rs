@@ -1,26 +1,38 @@
-//! What the page of a trace tells of its circumstances: serial number, operator, date and command line.
+//! Circumstances of a trace: serial number, operator, date, temperature and command line, for its page and its JSON.
 
 use std::ffi::OsString;
 use std::path::Path;
 use std::str::FromStr;
 
+use budget::traced;
 use jiff::Zoned;
 use jiff::civil::Date;
 use report::certificate::Circumstances;
 
-/// Arguments for the page.
+/// Name of the group of outputs that have them.
+pub const OUTPUTS: &str = "outputs_with_circumstances";
+
+/// Arguments for the page and the JSON.
 #[derive(clap::Args)]
-#[command(next_help_heading = "On the page")]
+#[command(next_help_heading = "In report and JSON")]
 pub struct CertificateArguments {
     /// Serial number of the machine.
-    #[arg(long, value_name = "TEXT", requires = "report")]
+    #[arg(long, value_name = "TEXT", requires = OUTPUTS)]
     serial: Option<String>,
     /// Who traces it.
-    #[arg(long, value_name = "TEXT", requires = "report")]
+    #[arg(long, value_name = "TEXT", requires = OUTPUTS)]
     operator: Option<String>,
     /// Date, as 2026-11-27, or `today`. Without it the page has none, so that the same logs give the same bytes.
-    #[arg(long, requires = "report")]
+    #[arg(long, requires = OUTPUTS)]
     date: Option<DateOf>,
+    /// Temperature of the machine while it was logged, °C: `history` tells what follows it from what changed.
+    #[arg(long, value_name = "CELSIUS", requires = OUTPUTS, allow_negative_numbers = true, value_parser = temperature)]
+    temperature_c: Option<f64>,
+}
+
+fn temperature(text: &str) -> Result<f64, String> {
+    let celsius = text.parse().ok().filter(|celsius: &f64| (-60.0..=150.0).contains(celsius));
+    celsius.ok_or_else(|| "expected a temperature from -60 to 150 °C".to_owned())
 }
 
 /// A date, or today's, which is asked of the clock only then.
@@ -44,16 +56,32 @@ impl FromStr for DateOf {
 }
 
 impl CertificateArguments {
-    /// What the page tells. `paths` are the files of the command line, which stand there without their folders.
-    pub fn circumstances(&self, paths: &[&Path]) -> Circumstances {
-        let date = self.date.map(|date| match date {
+    /// What the JSON tells; `None` if nothing was given.
+    pub fn written(&self) -> Option<traced::Circumstances> {
+        let written = traced::Circumstances {
+            serial: self.serial.clone(),
+            operator: self.operator.clone(),
+            date: self.day(),
+            temperature_c: self.temperature_c,
+        };
+        (written != traced::Circumstances::default()).then_some(written)
+    }
+
+    fn day(&self) -> Option<String> {
+        let day = |date| match date {
             DateOf::Day(date) => date,
             DateOf::Today => Zoned::now().date(),
-        });
+        };
+        self.date.map(|date| day(date).to_string())
+    }
+
+    /// What the page tells. `paths` are the files of the command line, which stand there without their folders.
+    pub fn circumstances(&self, paths: &[&Path]) -> Circumstances {
         Circumstances {
             serial: self.serial.clone(),
             operator: self.operator.clone(),
-            date: date.map(|date| date.to_string()),
+            date: self.day(),
+            temperature_c: self.temperature_c,
             command_line: command_line(std::env::args_os().skip(1), paths),
         }
     }

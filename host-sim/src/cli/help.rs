@@ -6,7 +6,7 @@ use clap::Command;
 
 /// Verbs by what one wants to do.
 const GROUPS: [(&str, &[&str]); 5] = [
-    ("Look at a log", &["trace", "circle", "positions", "budget", "init", "import", "app"]),
+    ("Look at a log", &["trace", "circle", "positions", "budget", "history", "init", "import", "app"]),
     ("Make it better", &["compensate", "verify", "tune", "margins", "simulate", "improve"]),
     ("A servo board", &["record", "board"]),
     ("Papers and tests", &["demo", "compare", "reproduce", "sensors", "self-test"]),
@@ -41,6 +41,12 @@ pub const CIRCLE: &str = "Examples:
 pub const BUDGET: &str = "Examples:
   lost-motion budget --model better.toml
   lost-motion budget --model better.toml --motion pocket.toml --report report";
+
+/// Below the help of `history`.
+pub const HISTORY: &str = "Examples:
+  lost-motion trace --machine M.toml --fit circle.csv --date 2026-11-27 --json traces/2026-11-27.json
+  lost-motion history traces --report report
+  lost-motion history traces --limit x.backlash.width_um=8 --check";
 
 /// Below the help of `init`.
 pub const INIT: &str = "Examples:

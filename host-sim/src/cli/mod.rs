@@ -13,6 +13,7 @@ mod compensation;
 mod demo;
 mod friction_map;
 mod help;
+mod history;
 mod import;
 mod improve;
 mod init;
@@ -94,6 +95,8 @@ enum Command {
     Improve(improve::Arguments),
     /// Propose gains, control law, feedback and feed-forward from the plant of a machine file, with their margins.
     Tune(tune::Arguments),
+    /// Tell what changed on a machine over months, from its traces, and when a limit will be reached.
+    History(history::Arguments),
     /// Write the tracer as one HTML file, in which anybody reads logs in a browser, without a network.
     App(app::Arguments),
     /// Compare the contour error of the same motions before and after a change with each other and with the prediction.
@@ -123,6 +126,7 @@ pub fn run() -> ExitCode {
         Command::Positions(arguments) => positions::run(&arguments),
         Command::Compensate(arguments) => compensate::run(&arguments),
         Command::Budget(arguments) => budget::run(&arguments),
+        Command::History(arguments) => history::run(&arguments),
         Command::App(arguments) => app::run(&arguments),
         Command::Margins(arguments) => margins::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),

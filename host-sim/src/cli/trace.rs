@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use clap::ArgGroup;
 
-use super::certificate::CertificateArguments;
+use super::certificate::{self, CertificateArguments};
 use super::help;
 use super::limits::{self, ToolLimitArguments};
 use super::outputs::{Output, check_outputs, print, write_json};
@@ -19,12 +20,24 @@ use report::trace_page::{self, Extra};
 use trace::{AxisIdentification, Identification, Request, Task};
 
 /// Arguments that a friction map does not take.
-const NOT_OF_A_MAP: [&str; 10] =
-    ["machine", "fit", "validate", "model", "propose", "empirical", "limits", "serial", "operator", "date"];
+const NOT_OF_A_MAP: [&str; 11] = [
+    "machine",
+    "fit",
+    "validate",
+    "model",
+    "propose",
+    "empirical",
+    "limits",
+    "serial",
+    "operator",
+    "date",
+    "temperature_c",
+];
 
 /// Arguments of `trace`.
 #[derive(clap::Args)]
 #[command(after_help = help::TRACE)]
+#[command(group(ArgGroup::new(certificate::OUTPUTS).args(["json", "report"]).multiple(true)))]
 pub struct Arguments {
     /// Machine file with the declared model.
     #[arg(long, required_unless_present = "friction_map")]
@@ -156,7 +169,8 @@ fn write(arguments: &Arguments, trace: &Identification, extra: &mut Extra) -> Re
         said += propose(trace, path)?;
     }
     let document = trace::json::Document::of(trace, &extra.contour_errors, arguments.empirical);
-    write_json(arguments.json.as_ref(), &Document::of(document, extra.budget.as_ref(), &extra.limits))?;
+    let document = Document::of(document, extra.budget.as_ref(), &extra.limits);
+    write_json(arguments.json.as_ref(), &document.under(arguments.certificate.written()))?;
     if let Some(path) = &arguments.model {
         write_whole(path, |out| out.write_all(trace.better_machine().to_toml().as_bytes()))?;
     }

@@ -39,7 +39,7 @@ fn friction(map: &FrictionMap, before: &Law, after: &Law) -> String {
         description: "Measured runs, and the law before and after.",
         x: &format!("speed, {}", map.unit.speed()),
         y: &format!("{}, {}", map.unit.drive(), map.unit.force()),
-        noise: 0.0,
+        noise: Some(0.0),
         layers,
     };
     chart.svg()
@@ -60,7 +60,7 @@ fn residuals(map: &FrictionMap, before: &Law, after: &Law) -> String {
         description: "Measured minus law, before and after.",
         x: &format!("speed, {}", map.unit.speed()),
         y: &format!("residual, {}", map.unit.force()),
-        noise: 2.0 * map.standard_error().unwrap_or(0.0),
+        noise: Some(2.0 * map.standard_error().unwrap_or(0.0)),
         layers: of_law(Ink::Before, before).chain(of_law(Ink::After, after)).collect(),
     };
     chart.svg()

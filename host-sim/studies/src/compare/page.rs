@@ -140,7 +140,7 @@ fn chart(motion: Motion, size: (u32, u32), mut layers: Vec<Layer>) -> String {
         description: "Distance from the table in the run in double precision.",
         x: "time, s",
         y: &format!("deviation from f64, {unit}"),
-        noise: 0.0,
+        noise: Some(0.0),
         layers,
     };
     chart.svg()

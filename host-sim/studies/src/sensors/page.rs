@@ -117,7 +117,7 @@ fn chart(study: &SensorStudy, law: &str, name: &str) -> String {
         description: "Rms of the contour error on the circle without compensation.",
         x: "Kp, 1/s",
         y: "circle rms, µm",
-        noise: 0.0,
+        noise: Some(0.0),
         layers: inks.into_iter().map(layer).collect(),
     };
     chart.svg()

@@ -7,6 +7,7 @@ mod circle;
 mod compare;
 mod compensate;
 mod foreign_logs;
+mod history;
 mod import;
 mod import_formats;
 mod improve;

@@ -79,7 +79,7 @@ fn plane(experiment: &Experiment) -> Picture {
         description: "Circles in yz in both directions; the slope is the cross-talk.",
         x: "acceleration of z, m/s²",
         y: "deviation in x, µm",
-        noise: 0.0,
+        noise: Some(0.0),
         layers,
     };
     Picture {
@@ -204,6 +204,7 @@ fn over_the_move(
     layers: Vec<Layer>,
     legend: Vec<(&'static str, String)>,
 ) -> Picture {
-    let chart = Chart { size: (960, 220), title, description: caption, x: "time, s", y, noise: 0.0, layers };
+    let chart =
+        Chart { size: (960, 220), title, description: caption, x: "time, s", y, noise: Some(0.0), layers };
     Picture { title: title.to_owned(), svg: chart.svg(), caption: caption.to_owned(), legend }
 }

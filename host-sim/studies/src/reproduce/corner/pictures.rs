@@ -113,7 +113,7 @@ fn over_gain(experiment: &Experiment) -> Result<Picture, ReproduceError> {
         description: "Lines: predicted from the command; circles: the plant.",
         x: "Kp, 1/s",
         y: "overshoot, µm",
-        noise: 0.0,
+        noise: Some(0.0),
         layers,
     };
     Ok(Picture {
@@ -153,7 +153,7 @@ fn contours(title: &str, half_um: f64, tracks: &[(Ink, &Track)]) -> String {
         description: "Plan view; the corner of the command is at 0, 0.",
         x: "X − corner, µm",
         y: "Y − corner, µm",
-        noise: 0.0,
+        noise: Some(0.0),
         layers,
     }
     .svg()

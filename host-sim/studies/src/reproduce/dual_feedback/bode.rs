@@ -109,7 +109,7 @@ fn picture(systems: [TimeConstants; 3], responses: &[Vec<Response>; 3]) -> Pictu
         description: &caption,
         x: "log10 of ωT",
         y: "|Qo/ΔQ|, dB",
-        noise: 0.0,
+        noise: Some(0.0),
         layers,
     };
     let svg = chart.svg();

@@ -198,7 +198,7 @@ fn step_picture(systems: [TimeConstants; 3]) -> Picture {
         description: &caption,
         x: "time, s",
         y: "table Qo, ΔQ",
-        noise: 0.0,
+        noise: Some(0.0),
         layers,
     };
     let svg = chart.svg();

@@ -191,7 +191,7 @@ fn accuracy_over_gain(Comparison { semi, full, duals, .. }: &Comparison) -> Pict
         description: &caption,
         x: "highest stable Kp, 1/s",
         y: "rms error, µm",
-        noise: 0.0,
+        noise: Some(0.0),
         layers: vec![
             layer(Ink::After, duals.iter().map(point).collect()),
             layer(Ink::Before, vec![point(semi)]),
@@ -229,7 +229,7 @@ fn slow_traverses(comparison: &Comparison) -> Picture {
         description: &caption,
         x: "command, mm",
         y: "table − command, µm",
-        noise: 0.0,
+        noise: Some(0.0),
         layers: vec![
             layer(Ink::Before, &comparison.semi),
             layer(Ink::Third, &comparison.full),

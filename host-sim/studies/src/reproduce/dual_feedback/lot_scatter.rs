@@ -176,7 +176,7 @@ impl Lot {
             description: &caption,
             x: "size, mm",
             y: "parts",
-            noise: 0.0,
+            noise: Some(0.0),
             layers: bars.chain(marks).chain([normal]).collect(),
         };
         let svg = chart.svg();

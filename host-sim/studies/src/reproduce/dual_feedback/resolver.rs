@@ -129,7 +129,7 @@ fn picture(simulated: &[f64]) -> Picture {
         description: &caption,
         x: "pulses of 0.9°",
         y: "error, D",
-        noise: 0.0,
+        noise: Some(0.0),
         layers: limits
             .into_iter()
             .chain([Layer { ink: Ink::After, points: errors.clone(), is_marked: false }])

@@ -39,7 +39,7 @@ fn friction() -> Picture {
         description: caption,
         x: "velocity, mm/s",
         y: "coefficient μ",
-        noise: 0.0,
+        noise: Some(0.0),
         layers: vec![Layer { ink: Ink::After, points: (-300..=300).map(point).collect(), is_marked: false }],
     };
     Picture {
@@ -66,7 +66,7 @@ fn deflections(runs: &[StickSlip; 2]) -> Picture {
         description: caption,
         x: "angle, °",
         y: "deviation, µm",
-        noise: 0.0,
+        noise: Some(0.0),
         layers: lines.map(layer).collect(),
     };
     let legend = [

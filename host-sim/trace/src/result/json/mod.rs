@@ -27,6 +27,8 @@ const SCHEMA_VERSION: u32 = 1;
 pub struct Document {
     /// Version of this schema: it changes where a key is removed, or its values mean something else.
     pub schema_version: u32,
+    /// Name of the machine.
+    pub machine: String,
     /// Whether the model explains the logs: the worst of the axes.
     pub verdict: Verdict,
     /// Faults of the data, found before any fit.
@@ -70,6 +72,7 @@ impl Document {
     pub fn of(trace: &Identification, contour_errors: &[LogError], with_tables: bool) -> Self {
         Self {
             schema_version: SCHEMA_VERSION,
+            machine: trace.machine().name.clone(),
             verdict: verdict::of(trace),
             data_faults: of_axes(trace, |axis| axis.data_faults.iter().map(DataFault::of).collect()),
             residual: of_axes(trace, |axis| axis.residuals.iter().map(|of| Residual::of(axis, of)).collect()),
