@@ -8,7 +8,7 @@ use crate::appearance::Turn;
 use crate::control_chart::TRACES_TO_FALSE_ALARM;
 use crate::forecast::{Reached, Side};
 use crate::monitor::Alarm;
-use crate::record::{Cost, Group};
+use crate::record::Cost;
 use crate::series::{Estimate, Series};
 use crate::text::{MONTH_DAYS, name};
 
@@ -160,7 +160,7 @@ fn of_series(history: &History, series: &Series) -> OfSeries {
     OfSeries {
         name: series.name.to_string(),
         group: series.name.group.word(),
-        is_watched: series.name.group != Group::Tool,
+        is_watched: series.is_watched(),
         points: series.entries.iter().map(point).collect(),
         changes: series.alarms.iter().map(change).collect(),
         first: series.first.map(value),

@@ -82,9 +82,9 @@ impl History {
         Ok(Self { records, days, series, appearances, limits, watched, notes })
     }
 
-    /// Series with a change.
+    /// Series whose change is announced.
     pub fn changed(&self) -> impl Iterator<Item = &Series> {
-        self.series.iter().filter(|series| !series.alarms.is_empty())
+        self.series.iter().filter(|series| series.has_changed())
     }
 
     /// Series that the last trace raised an alarm of.

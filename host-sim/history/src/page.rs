@@ -32,7 +32,7 @@ pub fn html(history: &History) -> String {
     let of_group = |is_tool: bool| {
         history.series.iter().filter(move |series| (series.name.group == Group::Tool) == is_tool)
     };
-    let others: Vec<&Series> = of_group(false).filter(|series| series.alarms.is_empty()).collect();
+    let others: Vec<&Series> = of_group(false).filter(|series| !series.has_changed()).collect();
     let tool: Vec<&Series> = of_group(true).collect();
     let sections = html! {
         @if !limits.is_empty() { (section("Limits", &list(&limits))) }

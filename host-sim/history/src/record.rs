@@ -21,8 +21,8 @@ pub enum Group {
     Declared,
     /// The rms that the model leaves of a channel, of held-out logs where there are some.
     Residual,
-    /// A contour error: of a log as it was measured, or of a standard motion as the model predicts it. It depends on the motion and is
-    /// not monitored.
+    /// A contour error: of a log as it was measured, or of a standard motion as the model predicts it. It depends on the motion: its
+    /// changes are not announced.
     Tool,
 }
 

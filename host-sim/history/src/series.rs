@@ -41,7 +41,7 @@ pub struct Series {
     pub name: Name,
     /// A figure of each trace that has it, earliest first.
     pub entries: Vec<Entry>,
-    /// The changes that were announced; indices count the entries that are counted.
+    /// The changes that were found, which are announced if the series is watched; indices count the entries that are counted.
     pub alarms: Vec<Alarm>,
     /// Mean before the first change, at mean temperature.
     pub first: Option<Estimate>,
@@ -63,7 +63,7 @@ pub(crate) struct Conditions<'a> {
 }
 
 impl Series {
-    /// A series with its changes; contour errors depend on the motion and have none.
+    /// A series with its changes.
     pub(crate) fn of(
         name: Name,
         figures: Vec<(usize, Figure)>,
@@ -82,8 +82,7 @@ impl Series {
             row
         };
         let rows: Vec<Vec<f64>> = records.iter().map(|record| with(vec![1.0], record)).collect();
-        let is_monitored = name.group != Group::Tool;
-        let alarms = if is_monitored { alarms(&rows, &values, &days, chart) } else { Vec::new() };
+        let alarms = alarms(&rows, &values, &days, chart);
         let since = alarms.last().map_or(0, |alarm| alarm.change.first);
         let until = alarms.first().map_or(values.len(), |alarm| alarm.change.first);
         let trend = (values.len() >= since + MIN_FOR_TREND).then(|| {
@@ -98,6 +97,18 @@ impl Series {
         let first = level(&rows[..until], &values[..until]);
         let costs = costs(&name, conditions.records, records.get(..until).unwrap_or_default());
         Self { name, entries, alarms, first, now, trend, costs }
+    }
+
+    /// Whether its changes are announced.
+    #[must_use]
+    pub fn is_watched(&self) -> bool {
+        self.name.group != Group::Tool
+    }
+
+    /// Whether a change is announced.
+    #[must_use]
+    pub fn has_changed(&self) -> bool {
+        self.is_watched() && !self.alarms.is_empty()
     }
 
     /// The entry that a counted index means.

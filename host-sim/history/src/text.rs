@@ -9,7 +9,6 @@ use crate::change::Shape;
 use crate::control_chart::TRACES_TO_FALSE_ALARM;
 use crate::forecast::{Limit, Reached, Side};
 use crate::monitor::Alarm;
-use crate::record::Group;
 use crate::series::{Estimate, Series};
 
 /// Days of a month, for rates.
@@ -21,7 +20,7 @@ pub fn of(history: &History) -> String {
     let mut parts = vec![lead(history)];
     let changes: Vec<String> = sentences(history);
     parts.extend((!changes.is_empty()).then(|| changes.join("\n")));
-    let rows = history.series.iter().filter(|series| series.name.group != Group::Tool);
+    let rows = history.series.iter().filter(|series| series.is_watched());
     let table: Vec<String> = std::iter::once(line(HEADINGS.map(str::to_owned)))
         .chain(rows.map(|series| line(cells(series))))
         .collect();
@@ -170,7 +169,7 @@ pub fn cells(series: &Series) -> [String; 5] {
         counted if counted < series.entries.len() => format!("{counted} of {}", series.entries.len()),
         counted => counted.to_string(),
     };
-    let state = if series.alarms.is_empty() { "" } else { " (changed)" };
+    let state = if series.has_changed() { " (changed)" } else { "" };
     let first = if series.alarms.is_empty() { String::new() } else { shown(series.first) };
 
     [format!("{}{state}", series.name), count, first, shown(series.now), rate]
