@@ -24,7 +24,7 @@ fn sentences() -> Result<Vec<String>, Box<dyn std::error::Error>> {
 
     let declared = Machine::parse(DEMO_MACHINE, "declared.toml")?;
     let trace = trace::trace(&declared, &[fit], &[validate], &|_| {})?;
-    Ok(sentences::summary(&trace))
+    Ok(sentences::summary(&trace, None))
 }
 
 #[test]

@@ -48,6 +48,20 @@ pub struct Budget {
 }
 
 impl Budget {
+    /// The share of an effect of an axis on the motion on which it costs most, with that motion; `None` if the budget has no such effect, or
+    /// several.
+    #[must_use]
+    pub fn of_effect(&self, axis: &str, name: &str) -> Option<(&MotionBudget, &CauseShare)> {
+        let only = |motion: &'_ MotionBudget| {
+            let mut own = motion.causes.iter();
+            let is_it = |cause: &CauseShare| cause.name == name && cause.axis.as_deref() == Some(axis);
+            let first = own.position(is_it)?;
+            (!own.any(is_it)).then_some(first)
+        };
+        let shares = self.motions.iter().filter_map(|motion| Some((motion, &motion.causes[only(motion)?])));
+        shares.max_by(|(_, a), (_, b)| a.share.rms.total_cmp(&b.share.rms))
+    }
+
     /// The budget of a model on motions; `seed` is that of the noise of its sensors.
     ///
     /// # Errors

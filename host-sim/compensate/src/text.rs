@@ -35,7 +35,9 @@ pub fn of(plan: &Plan) -> String {
         format!("{:<24}{:>24}{:>24}{:>26}", "predicted", "rms µm", "greatest µm", "circular deviation G µm"),
         format!("{:<24}{}", "motion", format!("{:>12}{:>12}", "before", "after").repeat(3)),
     ];
-    let cell = |value: Option<f64>| value.map_or(format!("{:>12}", "–"), |um| format!("{um:>12.3}"));
+    let cell = |value: Option<f64>| {
+        value.map_or(format!("{:>12}", "–"), |um| format!("{:>12}", significant(um, 3)))
+    };
     for motion in &plan.file.predicted {
         let figures = [
             Some(motion.before_um),
@@ -59,8 +61,12 @@ pub fn of(plan: &Plan) -> String {
     for item in &plan.items {
         let axis = if item.axis.is_empty() { "all" } else { &item.axis };
         lines.push(format!(
-            "{:<24}{:<6}{:>14.3}{:>10.3}  {}",
-            item.effect, axis, item.before_um, item.after_um, item.does
+            "{:<24}{:<6}{:>14}{:>10}  {}",
+            item.effect,
+            axis,
+            significant(item.before_um, 3),
+            significant(item.after_um, 3),
+            item.does
         ));
     }
     for not in &plan.not_compensated {

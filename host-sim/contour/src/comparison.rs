@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::ContourError;
+use files::format::significant;
 
 /// The quantities of a row: each before, predicted and after, µm.
 pub const QUANTITIES: [&str; 3] = ["rms", "greatest", "circular deviation G"];
@@ -54,7 +55,9 @@ pub fn text(rows: &[Comparison]) -> String {
         format!("{:<20}{rms:>30}{greatest:>30}{circular:>30}", "contour error, µm"),
         format!("{:<20}{}", "", format!("{:>10}{:>10}{:>10}", "before", "predicted", "after").repeat(3)),
     ];
-    let cell = |value: &Option<f64>| value.map_or(format!("{:>10}", "–"), |um| format!("{um:>10.3}"));
+    let cell = |value: &Option<f64>| {
+        value.map_or(format!("{:>10}", "–"), |um| format!("{:>10}", significant(um, 3)))
+    };
     lines.extend(rows.iter().map(|row| {
         let cells: String = row.figures.iter().flatten().map(cell).collect();
         format!("{:<20}{cells}", row.name)
@@ -79,7 +82,7 @@ mod tests {
         let ends = |line: &str, word: &str| {
             line.find(word).map(|at| line[..at].chars().count() + word.chars().count())
         };
-        assert_eq!(ends(lines[1], "before"), ends(lines[2], "1.500"));
-        assert_eq!(ends(lines[0], "circular deviation G"), ends(lines[2], "3.000"));
+        assert_eq!(ends(lines[1], "before"), ends(lines[2], "1.50"));
+        assert_eq!(ends(lines[0], "circular deviation G"), ends(lines[2], "3.00"));
     }
 }

@@ -37,14 +37,14 @@ pub fn signed(value: f64, digits: i32) -> String {
     if value > 0.0 { format!("+{text}") } else { text }
 }
 
-/// A value and the half width of its interval, both rounded to the first digit of the half width, with at most five
+/// A value and the half width of its interval, both rounded to the first digit of the half width, with at most four
 /// significant digits of the value. Without a half width, the value with four significant digits.
 #[must_use]
 pub fn with_spread(value: f64, half_width: f64) -> String {
     if !half_width.is_finite() || half_width <= 0.0 {
         return significant(value, 4);
     }
-    let decimals = decimals(half_width, 1).min(decimals(value, 5));
+    let decimals = decimals(half_width, 1).min(decimals(value, 4));
     let unit = 0.1_f64.powi(i32::try_from(decimals).unwrap_or(0));
     // A half width that would round to 0 is shown as one unit of the last decimal.
     let half_width = if half_width < 0.5 * unit { unit } else { half_width };
@@ -69,7 +69,7 @@ mod tests {
     fn digits_follow_the_spread() {
         assert_eq!(with_spread(9.8123, 0.0213), "9.81 ± 0.02");
         assert_eq!(with_spread(-229.26, 2.45), "−229 ± 2");
-        assert_eq!(with_spread(10.364_6, 1e-6), "10.365 ± 0.001");
+        assert_eq!(with_spread(10.364_6, 1e-6), "10.36 ± 0.01");
         assert_eq!(with_spread(3.333_333, 0.0), "3.333");
         assert_eq!(with_spread(4.0, f64::NAN), "4.000");
         assert_eq!(with_spread(20.4, 36.0), "20 ± 36");

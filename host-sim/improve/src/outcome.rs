@@ -6,6 +6,7 @@ use crate::round::Round;
 use compensate::prediction::total_rms_um;
 use contour::ContourError;
 use contour::comparison::{self, Comparison};
+use files::format::significant;
 
 /// Why no further round was executed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,11 +123,11 @@ impl Improvement {
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let round = |(number, round): (u32, &Round)| {
-            let [before, predicted, after] = round.totals_um();
+            let [before, predicted, after] = round.totals_um().map(|um| significant(um, 3));
             let found = round.found_words();
             let kept = if round.is_kept() { "kept" } else { "not kept" };
             format!(
-                "Round {number}: found {found}; {before:.3} µm rms before, {predicted:.3} µm predicted, {after:.3} µm after \
+                "Round {number}: found {found}; {before} µm rms before, {predicted} µm predicted, {after} µm after \
                  ({kept})."
             )
         };

@@ -15,6 +15,7 @@ mod pace;
 pub mod path;
 mod read;
 mod tables;
+mod write;
 
 pub use block::{Block, Direction, Motion, Pace, Sweep};
 pub use lines::Lines;

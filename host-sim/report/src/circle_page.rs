@@ -4,6 +4,9 @@ use std::path::{Path, PathBuf};
 
 use maud::{Markup, html};
 
+use super::certificate;
+
+use budget::limits::Judgement;
 use circle::Analysis;
 use circle::part::{Frame, Part};
 use circle::text::{cells, figures, sentence, title};
@@ -19,14 +22,15 @@ use pages::polar::{division_for, drawing, magnification};
 ///
 /// # Errors
 /// If the folder cannot be created or the page cannot be written.
-pub fn write(folder: &Path, analysis: &Analysis) -> Result<PathBuf, OutputError> {
-    pages::write(folder, &html(analysis))
+pub fn write(folder: &Path, analysis: &Analysis, limits: &[Judgement]) -> Result<PathBuf, OutputError> {
+    pages::write(folder, &html(analysis, limits))
 }
 
 /// The page. The same result gives the same bytes.
 #[must_use]
-pub fn html(analysis: &Analysis) -> String {
+pub fn html(analysis: &Analysis, limits: &[Judgement]) -> String {
     let sections = html! {
+        @if !limits.is_empty() { (section("Limits", &certificate::limits(limits))) }
         (section("Figures after ISO 230-4", &list(&figures(analysis))))
         (section("Radial deviation", &measured(analysis)))
         (section("What it is made of", &parts(analysis)))
@@ -161,11 +165,11 @@ mod tests {
         let table = Table::parse(csv.as_bytes(), &name).unwrap();
         let measured = Measured::of_radius_tables(vec![(table, name.clone())], nominal).unwrap();
         let analysis = analyse(measured).unwrap();
-        let page = super::html(&analysis);
+        let page = super::html(&analysis, &[]);
         assert!(page.contains("Circle: a&lt;b&gt;.csv") && !page.contains("a<b>"));
         assert!(page.contains("mostly made of squareness of xy"), "{}", super::sentence(&analysis));
         // Each picture has its division in a caption, and once more for screen readers.
         assert_eq!(page.matches("One division").count(), 2 * (1 + analysis.parts.len()));
-        assert_eq!(page, super::html(&analysis));
+        assert_eq!(page, super::html(&analysis, &[]));
     }
 }

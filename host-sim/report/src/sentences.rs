@@ -1,6 +1,7 @@
 //! The results of a trace in sentences, for engineers who build or commission machines.
 
 use super::{caveats, data_faults};
+use budget::Budget;
 use files::format::{percent, significant, with_spread};
 use files::log::Unit;
 use model::effects::Stage;
@@ -19,6 +20,9 @@ use trace::search::ambiguity::Ambiguity;
 use trace::stages::{residual_unit, stage_names};
 use trace::verdict::{self, Verdict};
 use trace::{Identification, Task};
+
+/// What costs less than this at the tool is not told more closely, µm rms.
+const LEAST_AT_TOOL_UM: f64 = 0.01;
 
 /// The reduction of the residual by a table over a variable.
 #[must_use]
@@ -65,10 +69,16 @@ pub fn ambiguity(axis: &AxisIdentification, alike: &Ambiguity, proposal: Option<
     format!("{}: these logs do not distinguish {added} from {rival}; {how}.", axis.axis)
 }
 
-/// The sentence for an effect that was found: what it is, whether that is certain, how much of the residual it explains, and what to do;
-/// with its rivals, if the logs do not distinguish it from these.
+/// The sentence for an effect that was found: what it is, whether that is certain, what it costs at the tool, or how much of the residual
+/// it explains if no budget has it, and what to do; with its rivals, if the logs do not distinguish it from these.
 #[must_use]
-pub fn sentence(axis: &str, unit: Unit, found: &FoundEffect, is_certain: bool) -> String {
+pub fn sentence(axis: &AxisIdentification, found: &FoundEffect, budget: Option<&Budget>) -> String {
+    let at_tool = budget.and_then(|budget| at_tool(budget, &axis.axis, found));
+    worded(&axis.axis, axis.unit, found, is_certain(axis, found), at_tool)
+}
+
+/// The sentence with what the effect costs at the tool.
+fn worded(axis: &str, unit: Unit, found: &FoundEffect, is_certain: bool, at_tool: Option<String>) -> String {
     let is_rotary = unit == Unit::Degree;
     let mut what = found.effect.sentence(&found.half_widths, is_rotary);
     let mut others: Vec<String> = found.rivals.iter().map(|rival| rival.sentence(&[], is_rotary)).collect();
@@ -91,7 +101,25 @@ pub fn sentence(axis: &str, unit: Unit, found: &FoundEffect, is_certain: bool) -
     let certain = if is_certain { ", certain" } else { "" };
     let remedy =
         if is_certain { format!(" To do: {}.", found.effect.compensation().remedy()) } else { String::new() };
-    format!("{axis}: {what}{certain}; {}.{remedy}", on_held_out(found))
+    let shown = at_tool.unwrap_or_else(|| on_held_out(found));
+    format!("{axis}: {what}{certain}; {shown}.{remedy}")
+}
+
+/// What an effect costs at the tool; `None` if the motions held out do not show it, which is said in its place.
+fn at_tool(budget: &Budget, axis: &str, found: &FoundEffect) -> Option<String> {
+    let (motion, cause) = budget.of_effect(axis, found.effect.name())?;
+    let of = |um: f64| significant(um, 3);
+    let is_shown = found.validate_reduction_percent() >= 0.0;
+    let share_um = cause.share.rms;
+    is_shown.then(|| {
+        if share_um < LEAST_AT_TOOL_UM {
+            return format!(
+                "it makes no more than {LEAST_AT_TOOL_UM} µm rms at the tool on any standard motion"
+            );
+        }
+        let (whole, name) = (of(motion.whole.rms), &motion.name);
+        format!("it makes {} of the {whole} µm rms at the tool on the standard motion {name}", of(share_um))
+    })
 }
 
 /// What motions that took no part in the fit say of an effect.
@@ -144,7 +172,7 @@ fn of_force_scale(axis: &AxisIdentification) -> Option<String> {
 /// The results for an axis: whether the model fails to describe the logs; one sentence for each effect, or one sentence
 /// that no effect was found.
 #[must_use]
-pub fn of_axis(axis: &AxisIdentification) -> Vec<String> {
+pub fn of_axis(axis: &AxisIdentification, budget: Option<&Budget>) -> Vec<String> {
     if axis.residuals.is_empty() {
         return vec![format!(
             "{}: no stage could be evaluated with these logs and this machine file.",
@@ -152,8 +180,7 @@ pub fn of_axis(axis: &AxisIdentification) -> Vec<String> {
         )];
     }
     let none = axis.found.is_empty().then(|| format!("{}: {}.", axis.axis, without_effects(axis)));
-    let found =
-        axis.found.iter().map(|found| sentence(&axis.axis, axis.unit, found, is_certain(axis, found)));
+    let found = axis.found.iter().map(|found| sentence(axis, found, budget));
     let misfit = caveats::misfit(axis).into_iter().chain(caveats::misfit_held_out(axis));
     let beyond = axis.written_values().filter(|value| value.is_beyond_tolerance);
     let beyond = beyond.map(|value| beyond_tolerance(&axis.axis, &value));
@@ -200,10 +227,11 @@ pub fn data_faults(trace: &Identification) -> Vec<String> {
     trace.axes().iter().flat_map(data_faults::of_axis).collect()
 }
 
-/// The faults of the data, then the sentences of all axes.
+/// The faults of the data, then the sentences of all axes, with what each effect costs at the tool, as far as a budget has it.
 #[must_use]
-pub fn summary(trace: &Identification) -> Vec<String> {
-    let of_axes = trace.axes().iter().flat_map(|axis| [of_axis(axis), refused_of_axis(axis)].concat());
+pub fn summary(trace: &Identification, budget: Option<&Budget>) -> Vec<String> {
+    let of_axes =
+        trace.axes().iter().flat_map(|axis| [of_axis(axis, budget), refused_of_axis(axis)].concat());
     data_faults(trace).into_iter().chain(of_axes).collect()
 }
 

@@ -106,9 +106,7 @@ fn the_page_has_all_sections_with_their_results() {
     assert!(verdict < positions[0], "the verdict stands first");
     let (_, way) = page.split_once("<details><summary>How was this found?</summary>").unwrap();
     assert!(way.contains("<h2>Candidates tested"), "candidates are folded away");
-    assert!(
-        page.contains(&text(&sentences::sentence("x", Unit::Millimetre, &trace.axes()[0].found[0], false)).0)
-    );
+    assert!(page.contains(&text(&sentences::sentence(&trace.axes()[0], &trace.axes()[0].found[0], None)).0));
     // Its machine file declares neither stiffness nor masses, and no force is logged.
     let parts = "gap and stretch under friction together, or the screw has a gap of up to this width, or the drive train is stretched";
     assert!(page.contains(parts));

@@ -78,7 +78,7 @@ fn found(trace: &Identification, extra: &Extra) -> Markup {
         ul.found {
             @for sentence in sentences::data_faults(trace) { li.none { (text(&sentence)) } }
             @for axis in trace.axes() {
-                @for sentence in sentences::of_axis(axis) {
+                @for sentence in sentences::of_axis(axis, extra.budget.as_ref()) {
                     li class=[axis.found.is_empty().then_some("none")] { (text(&sentence)) }
                 }
             }

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 
 use super::compensate::{input_or_failure, motions_of};
-use super::help;
 use super::outputs::{check_json_and_page, print, write_json};
 use super::progress::Progress;
 use ::budget::motions::{Travel, standard};
@@ -15,7 +14,6 @@ use model::machine::Machine;
 
 /// Arguments of `budget`.
 #[derive(clap::Args)]
-#[command(after_help = help::BUDGET)]
 pub struct Arguments {
     /// Model: a machine file with its effects, as `trace --model` writes it.
     #[arg(long)]

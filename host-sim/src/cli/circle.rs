@@ -4,22 +4,30 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
-use super::help;
+use super::limits::{self, ToolLimitArguments};
 use super::logs;
 use super::outputs::{check_json_and_page, print, write_json};
 use super::progress::Progress;
 use super::reading::ReadingArguments;
 use ::circle::measured::Measured;
 use ::circle::radius_table::Nominal;
-use ::circle::{analyse, json, text};
+use ::circle::{Analysis, analyse, json, text};
 use ::import::any_log::{self, Content};
+use budget::limits::{Circular, Judgement, Limit, of_circle};
 use files::error::{InputError, quoted};
 use files::head::Head;
 use files::table::Table;
+use serde::Serialize;
+use serde_json::Value;
+
+/// Channels of the tool: that of a log, and the radius of a ballbar.
+const AT_TOOL: [&str; 2] = ["tool", "radius"];
+
+/// A direction is a full circle from this angle on: the first and the last sample need not meet.
+const FULL_DEG: f64 = 359.0;
 
 /// Arguments of `circle`.
 #[derive(clap::Args)]
-#[command(after_help = help::CIRCLE)]
 pub struct Arguments {
     /// Log with the command and a measured position of two axes, or a ballbar's table of `radius_mm` or `radius_um` over `angle_deg`
     /// or `time_s` (CSV, .csv.gz, or - for stdin), or either of another program, see below; two of them, one for each direction.
@@ -41,13 +49,23 @@ pub struct Arguments {
     #[arg(long)]
     report: Option<PathBuf>,
     #[command(flatten)]
+    limits: ToolLimitArguments,
+    #[command(flatten)]
     reading: ReadingArguments,
+}
+
+/// The JSON with the limits that were asked for.
+#[derive(Serialize)]
+struct Document {
+    #[serde(flatten)]
+    circle: Value,
+    limits: Vec<Judgement>,
 }
 
 /// Runs the command.
 ///
 /// # Errors
-/// Input that is no circle, output that cannot be written.
+/// Input that is no circle, output that cannot be written; with `--check`, a limit that is not known to be kept.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let inputs: Vec<&Path> = arguments.log.iter().map(PathBuf::as_path).collect();
     let page = pages::file_in(arguments.report.as_ref());
@@ -58,13 +76,27 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     progress.show("evaluating the circle");
     let analysis = analyse(measured)?;
     drop(progress);
-    write_json(arguments.json.as_ref(), &json::of(&analysis))?;
-    let mut output = text::of(&analysis);
+    let limits = judged(&analysis, arguments.limits.all());
+    let document = Document { circle: json::of(&analysis), limits };
+    write_json(arguments.json.as_ref(), &document)?;
+    let limits = document.limits;
+    let mut output = text::of(&analysis) + &limits::text(&limits);
     if let Some(folder) = &arguments.report {
-        let path = report::circle_page::write(folder, &analysis)?;
+        let path = report::circle_page::write(folder, &analysis, &limits)?;
         output += &format!("\n\nReport: {}", path.display());
     }
-    print(&output)
+    print(&output)?;
+    arguments.limits.checked(&limits)
+}
+
+/// The limits, judged by the circular deviation.
+fn judged(analysis: &Analysis, limits: &[Limit]) -> Vec<Judgement> {
+    let Analysis { measured, figures, residual_um, .. } = analysis;
+    let of = pages::file_name(&measured.source);
+    let is_at_tool = AT_TOOL.contains(&measured.channel);
+    let full = figures.directions.iter().filter(|direction| direction.covered_deg >= FULL_DEG);
+    let um = full.map(|direction| direction.circular_um).reduce(f64::max);
+    of_circle(limits, &Circular { of, is_at_tool, um, noise_um: *residual_um })
 }
 
 /// The circle of one or two logs, or of one or two tables. What was assumed of a foreign file is told on stderr.

@@ -6,7 +6,6 @@ use anyhow::{Error, Result};
 use serde_json::{Value, json};
 
 use super::compensation::check_margins;
-use super::help;
 use super::input_error::Inputs;
 use super::margins::LimitArguments;
 use super::outputs::{Output, check_outputs, print, write_json};
@@ -25,7 +24,6 @@ use plant::instruments::Instruments;
 
 /// Arguments of `compensate`.
 #[derive(clap::Args)]
-#[command(after_help = help::COMPENSATE)]
 pub struct Arguments {
     /// Model: a machine file with the effects found, as `trace --model` writes it.
     #[arg(long)]

@@ -15,6 +15,7 @@ use contour::comparison::{self, Comparison};
 use demo::round_trips::{Figures, MAX_PREDICTION_ERROR, Machines, RoundTrip, Simulator};
 use demo::{self, Demo, Traced};
 use files::error::InputError;
+use files::format::significant;
 use report::before_after::RoundTripMotion;
 use report::trace_page::{self, Extra};
 use trace::stages::stage_names;
@@ -72,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let rows: Vec<Comparison> = demo.compensated.motions.iter().map(Compared::comparison).collect();
     print(&format!(
         "{INTRODUCTION}\n\n{}\n\n{}\n{}\n\n{}\n\n{}\n\n{}\n\nReport: {}",
-        summary::of_trace(&traced.trace),
+        summary::of_trace(&traced.trace, extra.budget.as_ref(), true),
         headline(traced),
         reveal(traced),
         compensated(&demo),
@@ -84,10 +85,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// The contour error before, as predicted, and after, and where the controller ran.
 fn compensated(demo: &Demo) -> String {
-    let [before, predicted, after] = totals_um(&demo.compensated.motions);
+    let [before, predicted, after] = totals_um(&demo.compensated.motions).map(|um| significant(um, 3));
     format!(
-        "Compensated by the traced model, the contour error at the tool changed from {before:.2} to {after:.2} µm rms \
-         ({predicted:.2} µm were predicted); the controller ran {}.",
+        "Compensated by the traced model, the contour error at the tool changed from {before} to {after} µm rms \
+         ({predicted} µm were predicted); the controller ran {}.",
         demo.controller_host.words()
     )
 }
@@ -190,12 +191,12 @@ const INTRODUCTION: &str = "A simulated two-axis machine executed circles, a mot
 fn headline(traced: &Traced) -> String {
     let Some(h) = traced.headline() else { return "No residual could be evaluated.".to_owned() };
     format!(
-        "On held-out motions, the {} residual of {} changed from {:.3} to {:.3} µm; the sensor noise is {:.3} µm.",
+        "On held-out motions, the {} residual of {} changed from {} to {} µm; the sensor noise is {} µm.",
         stage_names(&[h.stage]),
         traced.drawn.axis,
-        h.before,
-        h.after,
-        h.noise
+        significant(h.before, 3),
+        significant(h.after, 3),
+        significant(h.noise, 3)
     )
 }
 

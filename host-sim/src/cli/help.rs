@@ -4,9 +4,14 @@ use std::fmt::Write;
 
 use clap::Command;
 
+use super::examples;
+
 /// Verbs by what one wants to do.
 const GROUPS: [(&str, &[&str]); 5] = [
-    ("Look at a log", &["trace", "circle", "positions", "budget", "history", "init", "import", "app"]),
+    (
+        "Look at a log",
+        &["trace", "circle", "positions", "budget", "plan", "history", "init", "import", "app"],
+    ),
     ("Make it better", &["compensate", "verify", "tune", "margins", "simulate", "improve"]),
     ("A servo board", &["record", "board"]),
     ("Papers and tests", &["demo", "compare", "reproduce", "sensors", "self-test"]),
@@ -23,45 +28,6 @@ const PROGRAM: &str = "Examples:
   lost-motion compensate --model better.toml --out C.toml   what the controller can take away
 
 Exit codes: 0 done; 1 the job failed, or a check of it; 2 arguments or input that cannot be used; 130 interrupted.";
-
-/// Below the help of `trace`.
-pub const TRACE: &str = "Examples:
-  lost-motion trace --machine M.toml --fit circle.csv --fit travel.csv --validate corner.csv --model better.toml
-  lost-motion trace --machine M.toml --fit circle.csv --report report --serial 4711 --operator \"A. Smith\" --date today
-  lost-motion trace --machine M.toml --fit circle.csv --limit G=8 --limit corner=15 --check
-  lost-motion trace --machine M.toml --fit scope.csv --map \"x_command_mm=X cmd\" --rate 1000";
-
-/// Below the help of `circle`.
-pub const CIRCLE: &str = "Examples:
-  lost-motion circle circle.csv --report report
-  lost-motion circle cw.csv ccw.csv --json circle.json
-  lost-motion circle ballbar.csv --radius 100 --feed 1000";
-
-/// Below the help of `budget`.
-pub const BUDGET: &str = "Examples:
-  lost-motion budget --model better.toml
-  lost-motion budget --model better.toml --motion pocket.toml --report report";
-
-/// Below the help of `history`.
-pub const HISTORY: &str = "Examples:
-  lost-motion trace --machine M.toml --fit circle.csv --date 2026-11-27 --json traces/2026-11-27.json
-  lost-motion history traces --report report
-  lost-motion history traces --limit x.backlash.width_um=8 --check";
-
-/// Below the help of `init`.
-pub const INIT: &str = "Examples:
-  lost-motion init --log circle.csv --log travel.csv --out M.toml
-  lost-motion init --log circle.csv --set x.lead_mm=10 --out M.toml";
-
-/// Below the help of `compensate`.
-pub const COMPENSATE: &str = "Examples:
-  lost-motion compensate --model better.toml --out C.toml
-  lost-motion compensate --model better.toml --out C.toml --format linuxcnc --out-dir hal";
-
-/// Below the help of `verify`.
-pub const VERIFY: &str = "Examples:
-  lost-motion verify --machine M.toml --before circle.csv --after again.csv
-  lost-motion verify --machine M.toml --before circle.csv --after again.csv --predicted C.toml --limit G=8 --check";
 
 /// The command with its verbs in groups.
 pub fn grouped(command: Command) -> Command {
@@ -80,6 +46,10 @@ pub fn grouped(command: Command) -> Command {
         }
         groups.push('\n');
     }
+    let with_examples = |command: Command, (verb, text): &(&'static str, &'static str)| {
+        command.mut_subcommand(verb, |verb| verb.after_help(*text))
+    };
+    let command = examples::ALL.iter().fold(command, with_examples);
     command.after_help(PROGRAM).help_template(format!(
         "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{groups}{header}Options:{header:#}\n{{options}}{{after-help}}"
     ))
@@ -98,5 +68,25 @@ mod tests {
         verbs.sort_unstable();
         grouped.sort_unstable();
         assert_eq!(grouped, verbs);
+    }
+
+    #[test]
+    fn every_verb_has_examples_that_it_takes() {
+        let command = crate::cli::command();
+        for verb in command.get_subcommands() {
+            let name = verb.get_name();
+            let (_, text) = examples::ALL.iter().find(|(of, _)| *of == name).unwrap();
+            let own = text.lines().filter(|line| line.starts_with(&format!("  lost-motion {name} ")));
+            assert!(own.count() >= 1, "{name}");
+        }
+        for line in examples::ALL.iter().flat_map(|(_, text)| text.lines().skip(1)).chain(PROGRAM.lines()) {
+            let Some(line) = line.strip_prefix("  ").filter(|line| line.starts_with("lost-motion ")) else {
+                continue;
+            };
+            // What a line does stands behind several spaces.
+            let words = shlex::split(line.split("   ").next().unwrap()).unwrap();
+            let outcome = command.clone().try_get_matches_from(words);
+            assert!(outcome.is_ok(), "{line}: {}", outcome.unwrap_err());
+        }
     }
 }

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 
-use super::help;
 use super::outputs::{Output, check_outputs, print, write_json};
 use ::history::forecast::{Limit, Reached, Side};
 use ::history::{History, folder, json, page, table, text};
@@ -12,7 +11,6 @@ use files::output::write_whole;
 
 /// Arguments of `history`.
 #[derive(clap::Args)]
-#[command(after_help = help::HISTORY)]
 pub struct Arguments {
     /// Folder with the traces of one machine: JSON files of `trace --json`, or machine files of `trace --model`, each with its date in the
     /// file, in its name or in that of its folder.

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
-use super::help;
 use super::outputs::{Output, check_outputs, print};
 use super::progress::Progress;
 use super::reading::ReadingArguments;
@@ -16,7 +15,6 @@ use model::machine::Machine;
 
 /// Arguments of `init`.
 #[derive(clap::Args)]
-#[command(after_help = help::INIT)]
 pub struct Arguments {
     /// Log of the machine (CSV, .csv.gz, or - for stdin); may be given several times. Motions with reversals, several speeds and fast
     /// changes show most.

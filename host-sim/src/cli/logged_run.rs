@@ -8,6 +8,7 @@ use super::input_error::Inputs;
 use super::progress::Progress;
 use contour::vector::Point;
 use contour::{ContourError, Evaluation, NominalPath};
+use files::format::significant;
 use files::log::{Channel, write_rows};
 use files::output::OutputError;
 use model::axis::KeyNames;
@@ -154,8 +155,11 @@ impl RunStatistics {
             let [error, force] =
                 [following_error_um, force_n].map(|signal| (signal.rms(self.samples), signal.max));
             lines.push(format!(
-                "{name:<6}{:>14.3}{:>14.3}{:>12.1}{:>12.1}",
-                error.0, error.1, force.0, force.1
+                "{name:<6}{:>14}{:>14}{:>12.1}{:>12.1}",
+                significant(error.0, 3),
+                significant(error.1, 3),
+                force.0,
+                force.1
             ));
         }
         for axis in self.axes.iter().filter(|axis| axis.rows_at_limit > 0) {

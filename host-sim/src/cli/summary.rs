@@ -1,5 +1,6 @@
 //! The summary of a trace on stdout: sentences, a table of errors, remarks.
 
+use budget::Budget;
 use files::format::significant;
 use report::{ranking, sentences};
 use trace::AxisIdentification;
@@ -7,11 +8,25 @@ use trace::Identification;
 use trace::judge::StageResidual;
 use trace::stages::{residual_unit, stage_names};
 
-/// Summary of a trace.
+/// Summary of a trace: a sentence for each effect, with what it costs at the tool as far as a budget has it; with details, the residuals of
+/// all stages.
 #[must_use]
-pub fn of_trace(trace: &Identification) -> String {
-    let mut lines = sentences::summary(trace);
-    lines.push(String::new());
+pub fn of_trace(trace: &Identification, budget: Option<&Budget>, has_details: bool) -> String {
+    let mut lines = sentences::summary(trace, budget);
+    if has_details {
+        lines.extend(residuals(trace));
+    }
+    let remarks = remarks(trace);
+    if !remarks.is_empty() {
+        lines.push(String::new());
+        lines.extend(remarks);
+    }
+    lines.join("\n")
+}
+
+/// The table of the residuals of all stages.
+fn residuals(trace: &Identification) -> Vec<String> {
+    let mut lines = vec![String::new()];
     lines.push(format!(
         "{:<6}{:<8}{:>5}{:>22}{:>22}{:>11}",
         "axis", "channel", "", "before", "after", "noise"
@@ -23,12 +38,7 @@ pub fn of_trace(trace: &Identification) -> String {
     for axis in trace.axes() {
         lines.extend(axis.residuals.iter().map(|error| row(axis, error)));
     }
-    let remarks = remarks(trace);
-    if !remarks.is_empty() {
-        lines.push(String::new());
-        lines.extend(remarks);
-    }
-    lines.join("\n")
+    lines
 }
 
 /// Sentences on ambiguities, refused effects, limitations of the fit, residuals, repeatability and free runs.

@@ -6,7 +6,6 @@ use anyhow::Result;
 use clap::ArgGroup;
 
 use super::certificate::{self, CertificateArguments};
-use super::help;
 use super::limits::{self, ToolLimitArguments};
 use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
@@ -36,7 +35,6 @@ const NOT_OF_A_MAP: [&str; 11] = [
 
 /// Arguments of `trace`.
 #[derive(clap::Args)]
-#[command(after_help = help::TRACE)]
 #[command(group(ArgGroup::new(certificate::OUTPUTS).args(["json", "report"]).multiple(true)))]
 pub struct Arguments {
     /// Machine file with the declared model.
@@ -60,6 +58,9 @@ pub struct Arguments {
     /// become part of the model.
     #[arg(long)]
     empirical: bool,
+    /// Also print the residual of each stage before and after, of fitted and held-out motions.
+    #[arg(long, conflicts_with = "friction_map")]
+    details: bool,
     /// Write the motion file that distinguishes two effects best, if the logs do not distinguish them.
     #[arg(long, value_name = "MOTION.toml")]
     propose: Option<PathBuf>,
@@ -126,30 +127,29 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let task = if arguments.evaluate { Task::Evaluate } else { Task::Search };
     let request = Request { task, tables: arguments.empirical };
     let trace = trace::requested(&machine, [&fit, &validate], request, &show)?;
+    progress.show("simulating what each cause costs");
+    let mut extra = Extra { contour_errors, ..Extra::default() };
+    let judged = judge(arguments, &trace, &mut extra);
     drop(progress);
-    let mut output = summary::of_trace(&trace);
+    let mut output = summary::of_trace(&trace, extra.budget.as_ref(), arguments.details);
     for note in of_gains {
         output += &format!("\n\n{note}");
     }
-    if !contour_errors.is_empty() {
-        output += &format!("\n\n{}", contour::text::of_logs(&contour_errors));
+    if !extra.contour_errors.is_empty() {
+        output += &format!("\n\n{}", contour::text::of_logs(&extra.contour_errors));
     }
     if arguments.empirical {
         output += &summary::of_tables(&trace);
     }
-    let mut extra = Extra { contour_errors, ..Extra::default() };
-    output += &judge(arguments, &trace, &mut extra);
+    output += &judged;
     output += &write(arguments, &trace, &mut extra)?;
     print(&output)?;
     arguments.limits.checked(&extra.limits)
 }
 
-/// The error budget, where an output has it or a limit needs it, and the limits; gives what the summary says of them.
+/// The error budget and the limits; gives what the summary says of them.
 fn judge(arguments: &Arguments, trace: &Identification, extra: &mut Extra) -> String {
     let limits = arguments.limits.all();
-    if arguments.json.is_none() && arguments.report.is_none() && limits.is_empty() {
-        return String::new();
-    }
     let said = match budget::traced::budget(trace) {
         Ok(budget) => {
             extra.budget = budget;

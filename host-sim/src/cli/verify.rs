@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use serde_json::json;
 
-use super::help;
 use super::limits::{self, ToolLimitArguments};
 use super::logs;
 use super::outputs::{check_json_and_page, print, write_json};
@@ -25,7 +24,6 @@ use report::verification_page::{self, remarks, summary};
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
-#[command(after_help = help::VERIFY)]
 pub struct Arguments {
     /// Machine file.
     #[arg(long)]

@@ -23,7 +23,7 @@ pub fn of_files(request: &Circle, files: &[DroppedFile<'_>]) -> Result<Value, St
     let analysis = measured(request, files).and_then(analyse).map_err(|error| error.to_string())?;
     Ok(json!({
         "json": circle_json::of(&analysis),
-        "page": circle_page::html(&analysis),
+        "page": circle_page::html(&analysis, &[]),
         "summary": text::of(&analysis),
     }))
 }

@@ -37,6 +37,6 @@ pub fn of_logs(request: &Trace, files: &[DroppedFile<'_>], progress: &Progress<'
         "json": document,
         "page": trace_page::html(&trace, &extra),
         "model": trace.better_machine().to_toml(),
-        "summary": sentences::summary(&trace),
+        "summary": sentences::summary(&trace, extra.budget.as_ref()),
     }))
 }

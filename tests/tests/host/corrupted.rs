@@ -58,7 +58,7 @@ fn an_effect_at_the_limit_of_its_search_is_rejected_by_name() {
     );
     assert_eq!(of("limit").as_f64(), Some(300.0));
     assert!((of("value").as_f64().unwrap() - 300.0).abs() < 0.3, "{json}");
-    let summary = sentences::summary(&trace).join("\n");
+    let summary = sentences::summary(&trace, None).join("\n");
     assert!(summary.contains("servo mismatch: 300 %; 300 is the limit of its search range"), "{summary}");
 }
 
@@ -87,7 +87,7 @@ fn an_effect_that_the_validation_log_refutes_is_listed_with_both_residuals() {
     assert_eq!(json["refuted"][0]["name"], "pitch_progressive");
     assert_eq!(json["refuted"][0]["before_um"]["validate"].as_f64(), Some(refuted.before.validate));
     assert!(
-        sentences::summary(&trace)
+        sentences::summary(&trace, None)
             .iter()
             .any(|sentence| sentence.starts_with("x: refuted by the logs held out"))
     );
@@ -98,9 +98,11 @@ fn verdict_of(declared: &Machine, logs: [Log; 2]) -> (Verdict, bool) {
     let trace = traced(declared, logs);
     let verdict = verdict::of(&trace);
     assert_eq!(trace::json::Document::of(&trace, &[], false).value()["verdict"], serde_json::json!(verdict));
-    let sentences = sentences::of_axis(&trace.axes()[0]);
-    let starts =
-        ["x: the model does not describe these logs", "x: this machine file does not describe this machine"];
+    let sentences = sentences::of_axis(&trace.axes()[0], None);
+    let starts = [
+        "x: nothing that is said of this axis can be relied on, as the model does not describe these logs",
+        "x: this machine file does not describe this machine",
+    ];
     let says_not_described =
         sentences.iter().any(|sentence| starts.iter().any(|start| sentence.starts_with(start)));
     assert_eq!(says_not_described, verdict == Verdict::ModelDoesNotFit, "{sentences:?}");
@@ -140,7 +142,7 @@ fn validation_logs_that_the_model_does_not_describe_are_reported() {
     wander(&mut validate.axes[0]);
     let trace = traced(&declared(), [fit, validate]);
     assert_eq!(verdict::of(&trace), Verdict::Unexplained);
-    let sentences = sentences::of_axis(&trace.axes()[0]);
+    let sentences = sentences::of_axis(&trace.axes()[0], None);
     assert!(sentences[0].starts_with("x: the model does not describe the logs held out"), "{sentences:?}");
     assert!(
         sentences.iter().all(|sentence| !sentence.contains("does not describe these logs")),
@@ -148,7 +150,9 @@ fn validation_logs_that_the_model_does_not_describe_are_reported() {
     );
     // y is unchanged.
     assert!(
-        sentences::of_axis(&trace.axes()[1]).iter().all(|sentence| !sentence.contains("does not describe"))
+        sentences::of_axis(&trace.axes()[1], None)
+            .iter()
+            .all(|sentence| !sentence.contains("does not describe"))
     );
 }
 
@@ -179,6 +183,6 @@ fn each_effect_is_stated_with_the_share_that_shows_it() {
     assert!((value - 10.0).abs() < 2.0 * slope.half_widths[0].max(0.5), "{value}");
     // 0.3 µm of 0.65 µm rms may be taken over by the zero of the scale; noise is 0.05 µm.
     assert!((50.0..100.0).contains(&slope.validate_reduction_percent()), "{slope:?}");
-    let summary = sentences::summary(&trace).join("\n");
+    let summary = sentences::summary(&trace, None).join("\n");
     assert!(!summary.contains("neither show") && !summary.contains("increases the"), "{summary}");
 }

@@ -119,7 +119,7 @@ fn a_corrected_fault_leaves_the_result_of_the_sound_logs() {
         let json = trace::json::Document::of(&trace, &[], false).value();
         let fault = &json["data_faults"][0];
         assert_eq!((&fault["axis"], &fault["kind"]), (&"x".into(), &kind.name().into()));
-        let summary = sentences::summary(&trace);
+        let summary = sentences::summary(&trace, None);
         assert!(summary[0].starts_with("x: data fault in "), "{summary:?}");
         assert!(summary.iter().all(|line| !line.starts_with("x: no undeclared effect found")), "{summary:?}");
     }

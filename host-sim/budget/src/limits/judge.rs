@@ -77,9 +77,18 @@ fn unknown(limit: Limit) -> Judgement {
 fn measured(limit: Limit, log: &LogError, faulty: &[String]) -> Option<Judgement> {
     let um = limit.figure.of(&Sizes::of(&log.error))?;
     let by_noise_um = by_noise(limit.figure, &log.error);
-    let (result, why) = if faulty.contains(&log.log) {
-        (Outcome::Unknown, "the log has a fault in its command or at the tool".to_owned())
-    } else if um <= limit.um {
+    let judged = by_value(limit, um, by_noise_um, &log.log);
+    Some(if faulty.contains(&log.log) {
+        let why = "the log has a fault in its command or at the tool".to_owned();
+        Judgement { result: Outcome::Unknown, why, ..judged }
+    } else {
+        judged
+    })
+}
+
+/// By a figure that was measured, of which noise makes up to `by_noise_um`; `of` names the log.
+fn by_value(limit: Limit, um: f64, by_noise_um: f64, of: &str) -> Judgement {
+    let (result, why) = if um <= limit.um {
         (Outcome::Pass, String::new())
     } else if um - by_noise_um > limit.um {
         (Outcome::Fail, String::new())
@@ -87,15 +96,45 @@ fn measured(limit: Limit, log: &LogError, faulty: &[String]) -> Option<Judgement
         let noise = significant(by_noise_um, 2);
         (Outcome::Unknown, format!("the noise of the sensors makes up to {noise} µm of it"))
     };
-    Some(Judgement {
+    Judgement {
         result,
         basis: Basis::Measured,
         value_um: Some(um),
         uncertainty_um: Some(by_noise_um),
-        of: log.log.clone(),
+        of: of.to_owned(),
         why,
         ..unknown(limit)
-    })
+    }
+}
+
+/// A circle that was measured alone.
+#[derive(Clone, Copy, Debug)]
+pub struct Circular<'a> {
+    /// Its name.
+    pub of: &'a str,
+    /// Whether it was measured at the tool.
+    pub is_at_tool: bool,
+    /// The larger circular deviation of the directions that are full circles, µm.
+    pub um: Option<f64>,
+    /// Noise of the radius, µm.
+    pub noise_um: f64,
+}
+
+/// Each limit judged by a circle alone.
+#[must_use]
+pub fn of_circle(limits: &[Limit], circle: &Circular<'_>) -> Vec<Judgement> {
+    let judged = |limit: &Limit| {
+        let why = match (limit.figure, circle.is_at_tool, circle.um) {
+            (Figure::Circular, true, Some(um)) => {
+                return by_value(*limit, um, 2.0 * GREATEST_NOISE * circle.noise_um, circle.of);
+            }
+            (Figure::Circular, true, None) => "no direction is a full circle",
+            (Figure::Circular, false, _) => "the circle was not measured at the tool",
+            _ => "a circle alone has no figure but G",
+        };
+        Judgement { why: why.to_owned(), of: circle.of.to_owned(), ..unknown(*limit) }
+    };
+    limits.iter().map(judged).collect()
 }
 
 /// By how much noise makes a figure larger, µm: exactly for the rms, at most for the others. G is a range, with noise at both ends.

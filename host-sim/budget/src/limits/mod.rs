@@ -10,6 +10,6 @@ mod limit;
 #[cfg(test)]
 mod tests;
 
-pub use judge::{Judged, Trust, judged};
+pub use judge::{Circular, Judged, Trust, judged, of_circle};
 pub use judgement::{Basis, Judgement, Outcome, summary};
 pub use limit::{Figure, Limit};

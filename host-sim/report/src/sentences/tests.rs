@@ -69,7 +69,7 @@ fn every_effect_of_the_catalogue_has_a_sentence_with_its_axis_and_values() {
         let stage = effect.stages()[0];
         let [before, after] = [100.0, 9.4].map(|validate| FitAndValidationRms { fit: 1.0, validate });
         let found = FoundEffect::new((effect, half_widths), stage, [before, after]);
-        let text = sentence("ax", Unit::Millimetre, &found, true);
+        let text = worded("ax", Unit::Millimetre, &found, true, None);
         assert!(text.starts_with("ax: "), "{text}");
         assert!(
             text.contains(", certain; it explains the ")
@@ -109,18 +109,18 @@ fn an_effect_that_no_held_out_motion_shows_is_reported_as_such() {
     let [before, after] = [100.0, 103.2].map(|validate| FitAndValidationRms { fit: 1.0, validate });
     let mut found = FoundEffect::new((effect, vec![0.1]), Stage::Table, [before, after]);
     assert_eq!(
-        sentence("x", Unit::Millimetre, &found, false),
+        worded("x", Unit::Millimetre, &found, false, None),
         "x: 9.8 ± 0.1 µm backlash between screw and table; the held-out motions neither show nor refute it: their \
          table residual is 3 % larger."
     );
     found.before.validate = f64::NAN;
     assert_eq!(
-        sentence("x", Unit::Millimetre, &found, false),
+        worded("x", Unit::Millimetre, &found, false, None),
         "x: 9.8 ± 0.1 µm backlash between screw and table; no held-out motion has a table residual to show it."
     );
     let slope = "name = 'pitch_progressive'\nslope_um_per_m = 12.5";
     found.rivals.push(toml::from_str(slope).unwrap());
-    let text = sentence("x", Unit::Millimetre, &found, false);
+    let text = worded("x", Unit::Millimetre, &found, false, None);
     assert!(
         text.starts_with("x: either 9.8 ± 0.1 µm backlash") && text.contains(", or the screw moves"),
         "{text}"

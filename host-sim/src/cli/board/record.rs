@@ -14,6 +14,7 @@ use ::board::refusal::AXIS_NAMES;
 use ::board::samples::{self, AxisSample};
 use ::board::{BoardError, Client};
 use files::error::InputError;
+use files::format::significant;
 use model::machine::Machine;
 use motion::{Motion, PathBlock};
 use plant::machine_path::MachinePath;
@@ -227,7 +228,8 @@ fn summary(samples: &[[AxisSample; AXES]]) -> String {
         };
         let error = of(|sample| 1e6 * (sample.command_m - sample.motor_m));
         let force = of(|sample| sample.force_n);
-        lines.push(format!("{name:<6}{:>14.3}{:>14.3}{:>12.1}{:>12.1}", error.0, error.1, force.0, force.1));
+        let [rms_um, greatest_um] = [error.0, error.1].map(|um| significant(um, 3));
+        lines.push(format!("{name:<6}{rms_um:>14}{greatest_um:>14}{:>12.1}{:>12.1}", force.0, force.1));
     }
     lines.join("\n")
 }

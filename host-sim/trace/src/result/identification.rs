@@ -12,6 +12,7 @@ use crate::input::signals::Signals;
 use crate::judge::axis_findings::AxisFindings;
 use crate::options::TraceOptions;
 use crate::search::ambiguity::Ambiguity;
+use files::log::Unit;
 use model::effects::Effect;
 use model::machine::Machine;
 use model::machine::evidence::{Certainty, Evidence};
@@ -64,6 +65,7 @@ impl AxisIdentification {
                     .map(|half| if half.is_finite() { *half } else { 0.0 })
                     .collect(),
                 rivals: found.rival_names().into_iter().map(str::to_owned).collect(),
+                alternatives: if self.unit == Unit::Degree { Vec::new() } else { found.rivals.clone() },
                 ..declared
             }
         };

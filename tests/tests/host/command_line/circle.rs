@@ -69,6 +69,36 @@ fn a_simulated_log_and_one_direction_alone() {
     assert!(json["iso_230_4_um"]["H"].is_null() && json["iso_230_4_um"]["G_b"].is_null(), "{json}");
 }
 
+/// G of the table is a figure of its JSON; its residual, of which eight times may be noise, is far below half of it.
+#[test]
+fn a_limit_is_judged_by_the_circular_deviation() {
+    let folder = WorkFolder::with(&[("table.csv", table())]);
+    let circle = "circle table.csv --radius 100 --json out.json --report page";
+    folder.succeeds(circle);
+    let json = |folder: &WorkFolder| -> Value { serde_json::from_str(&folder.read("out.json")).unwrap() };
+    let g_um = json(&folder)["iso_230_4_um"]["G"].as_f64().unwrap();
+    assert_eq!(json(&folder)["limits"], serde_json::json!([]));
+    let stdout =
+        folder.succeeds(&format!("{circle} --limit G={} --limit G={} --limit rms=9", 2.0 * g_um, 0.5 * g_um));
+    let results: Vec<Value> =
+        json(&folder)["limits"].as_array().unwrap().iter().map(|limit| limit["result"].clone()).collect();
+    assert_eq!(results, ["pass", "fail", "unknown"]);
+    assert_eq!(stdout.lines().filter(|line| line.starts_with("Limit ")).count(), 3, "{stdout}");
+    assert_eq!(folder.read("page/report.html").matches("<td class=\"result\">").count(), 3);
+    folder.succeeds(&format!("{circle} --limit G={} --check", 2.0 * g_um));
+    let message = folder.fails(&format!("{circle} --limit G={} --check", 0.5 * g_um), 1);
+    assert!(message.contains("G (fail)"), "{message}");
+    // Half a circle has no G, which is not a pass.
+    let most = table()
+        .lines()
+        .filter(|line| !line.contains(",cw") && !line.starts_with("35"))
+        .collect::<Vec<_>>()
+        .join("\n");
+    let folder = WorkFolder::with(&[("most.csv", most)]);
+    let message = folder.fails("circle most.csv --radius 100 --limit G=1000 --check", 1);
+    assert!(message.contains("G (unknown)"), "{message}");
+}
+
 #[test]
 fn what_is_no_circle_is_refused_in_one_line() {
     let log = super::work_folder::log();

@@ -183,7 +183,7 @@ fn fault(case: &Case, variant: &Variant, detection: &mut Detection) -> Option<St
         Ok(Ok(traced)) => traced,
     };
     let json = trace::json::Document::of(&traced, &[], false).value();
-    let text = sentences::summary(&traced).join("\n");
+    let text = sentences::summary(&traced, None).join("\n");
     if text.contains("NaN") || text.contains("inf ") {
         return Some(format!("no numbers: {text}"));
     }

@@ -40,7 +40,7 @@ pub fn beyond_tolerance(trace: &Identification) -> Vec<&str> {
 
 /// Everything that a failed assertion should show.
 pub fn context(trace: &Identification) -> String {
-    format!("{:?}\n{}", verdict::of(trace), report::sentences::summary(trace).join("\n"))
+    format!("{:?}\n{}", verdict::of(trace), report::sentences::summary(trace, None).join("\n"))
 }
 
 /// Asserts that exactly these effects were found, given by axis and then name.
