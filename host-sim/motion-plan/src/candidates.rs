@@ -27,6 +27,9 @@ const STROKES: [(&str, &[[f64; 3]], f64); 8] = [
     ("stroke after a rest", &[[0.5, 0.5, 1.0], [0.5, 0.5, 1.0]], 8.0),
 ];
 
+/// The stroke that every plan has.
+const WHOLE_TRAVEL: &str = "stroke at medium speed";
+
 /// Circles: name, fractions of the radius and of the speed.
 const CIRCLES: [(&str, f64, f64); 3] =
     [("circles", 1.0, 0.6), ("small circles", 0.3, 0.3), ("slow circles", 1.0, 0.2)];
@@ -40,8 +43,9 @@ pub struct Candidate {
     pub motion: Motion,
     /// How long it takes, s.
     pub seconds: f64,
-    /// Numbers of the axes that move.
-    pub moving: Vec<usize>,
+    /// The axis whose whole travel it is, of which a plan takes one for each axis with something open: the rivals of a model may all be
+    /// wrong, which only a motion beyond the earlier ones shows.
+    pub whole_travel_of: Option<String>,
 }
 
 /// Axes of a plan, with the middle and the usable half of their travels.
@@ -50,9 +54,9 @@ struct Space {
     half_mm: Vec<f64>,
 }
 
-/// All parts that fit the limits: strokes of each axis, and circles of each pair of axes. `numbers` are those of the axes in the model.
+/// All parts that fit the limits: strokes of each axis, and circles of each pair of axes.
 #[must_use]
-pub fn all(limits: &Limits, numbers: &[usize]) -> Vec<Candidate> {
+pub fn all(limits: &Limits) -> Vec<Candidate> {
     let space = Space {
         centre_mm: limits
             .travels
@@ -66,17 +70,19 @@ pub fn all(limits: &Limits, numbers: &[usize]) -> Vec<Candidate> {
             .collect(),
     };
     let mut all = Vec::new();
-    for (index, &number) in numbers.iter().enumerate() {
+    for index in 0..limits.travels.len() {
         for stroke in &STROKES {
-            all.push(space.strokes(limits, index, number, stroke));
+            let part = space.strokes(limits, index, stroke);
+            let axis = limits.travels[index].axis.clone();
+            all.push(Candidate { whole_travel_of: (stroke.0 == WHOLE_TRAVEL).then_some(axis), ..part });
         }
-        for (second, &other) in numbers.iter().enumerate().skip(index + 1) {
+        for second in index + 1..limits.travels.len() {
             // The plane of G17, whose sense of rotation every control has.
             if !(space.is_named(index, "x") && space.is_named(second, "y")) {
                 continue;
             }
             for circle in &CIRCLES {
-                all.push(space.circles(limits, [(index, number), (second, other)], circle));
+                all.push(space.circles(limits, [index, second], circle));
             }
         }
     }
@@ -88,18 +94,17 @@ impl Space {
         self.centre_mm.get_index(index).is_some_and(|(axis, _)| axis == name)
     }
 
-    fn candidate(&self, name: String, mut blocks: Vec<Block>, moving: Vec<usize>) -> Candidate {
+    fn candidate(&self, name: String, mut blocks: Vec<Block>) -> Candidate {
         blocks.push(Block::Dwell { seconds: REST_S });
         let seconds = seconds(&self.centre_mm, &blocks);
         let motion = Motion { name: name.clone(), start_mm: self.centre_mm.clone(), blocks };
-        Candidate { name, motion, seconds, moving }
+        Candidate { name, motion, seconds, whole_travel_of: None }
     }
 
     fn strokes(
         &self,
         limits: &Limits,
         index: usize,
-        number: usize,
         (name, strokes, pause_s): &(&str, &[[f64; 3]], f64),
     ) -> Candidate {
         let (axis, _) = self.centre_mm.get_index(index).map_or(("", &0.0), |(axis, mm)| (axis.as_str(), mm));
@@ -116,20 +121,19 @@ impl Space {
                 blocks.push(Block::Line { to_mm, pace });
             }
         }
-        self.candidate(format!("{name} of {axis}"), blocks, vec![number])
+        self.candidate(format!("{name} of {axis}"), blocks)
     }
 
     /// A full circle in each direction, from its rightmost point.
     fn circles(
         &self,
         limits: &Limits,
-        axes: [(usize, usize); 2],
+        axes: [usize; 2],
         (name, size, speed): &(&str, f64, f64),
     ) -> Candidate {
-        let plane = axes.map(|(index, _)| {
-            self.centre_mm.get_index(index).map_or(String::new(), |(axis, _)| axis.clone())
-        });
-        let half_mm = self.half_mm[axes[0].0].min(self.half_mm[axes[1].0]);
+        let plane =
+            axes.map(|index| self.centre_mm.get_index(index).map_or(String::new(), |(axis, _)| axis.clone()));
+        let half_mm = self.half_mm[axes[0]].min(self.half_mm[axes[1]]);
         let radius_mm = rounded(size * half_mm.min(RADIUS_MM));
         // The centripetal acceleration takes half of what is allowed.
         let greatest = (500.0 * limits.acceleration_m_per_s2 * radius_mm).sqrt();
@@ -147,7 +151,7 @@ impl Space {
             Block::Line { to_mm: self.centre_mm.clone(), pace },
         ];
         let name = format!("{name} of {} and {}", plane[0], plane[1]);
-        self.candidate(name, blocks, axes.map(|(_, number)| number).to_vec())
+        self.candidate(name, blocks)
     }
 }
 

@@ -13,6 +13,12 @@ use crate::{ExpectedPair, ExpectedValue, Limits, Plan};
 /// the sensors does not have.
 const DECIDED: f64 = 15.0;
 
+/// Up to this many standard deviations it is worth moving longer.
+const WANTED: f64 = 2.0 * DECIDED;
+
+/// An interval that is this many times as wide as the value tells nothing of it.
+const TELLS_NOTHING: f64 = 10.0;
+
 /// The parts are run this often, so that a log has laps to fit and one to hold out.
 const LAPS: u8 = 2;
 
@@ -30,18 +36,19 @@ const START_REST_S: f64 = 0.5;
 #[must_use]
 pub fn plan(model: &Machine, limits: &Limits, within: f64) -> Plan {
     let unknowns = Unknowns::of(model);
-    let axes: Vec<usize> =
-        limits.travels.iter().filter_map(|travel| model.axis.get_index_of(&travel.axis)).collect();
     let known = Information::known(&unknowns);
     let values = Values::of(model, within);
     let nothing = values.wanted().next().is_none() && unknowns.pairs.is_empty();
-    let candidates = if nothing { Vec::new() } else { candidates::all(limits, &axes) };
+    let candidates = if nothing { Vec::new() } else { candidates::all(limits) };
     let told: Vec<(&Candidate, Information)> = candidates
         .par_iter()
         .filter_map(|candidate| Some((candidate, Information::of(model, &unknowns, candidate)?)))
         .collect();
     let goal = Goal { model, unknowns: &unknowns, values: &values };
-    let (taken, information) = greedy(&told, known, &goal, limits.seconds);
+    let open = goal.open_axes();
+    let is_first = |part: &Candidate| part.whole_travel_of.as_ref().is_some_and(|axis| open.contains(axis));
+    let first: Vec<usize> = (0..told.len()).filter(|index| is_first(told[*index].0)).collect();
+    let (taken, information) = greedy(&told, first, known, &goal, limits.seconds);
     let parts: Vec<&Candidate> = taken.iter().map(|index| told[*index].0).collect();
     let seconds = START_REST_S + f64::from(LAPS) * parts.iter().map(|part| part.seconds).sum::<f64>();
     Plan {
@@ -55,15 +62,23 @@ pub fn plan(model: &Machine, limits: &Limits, within: f64) -> Plan {
     }
 }
 
-/// Indices of the parts that are taken, in their order, and what they tell together.
+/// Indices of the parts that are taken, in their order, beginning with some, and what they tell together.
 fn greedy(
     told: &[(&Candidate, Information)],
+    first: Vec<usize>,
     known: Information,
     goal: &Goal,
     seconds: f64,
 ) -> (Vec<usize>, Information) {
-    let (mut taken, mut information): (Vec<usize>, Information) = (Vec::new(), known);
     let mut left_s = (seconds - START_REST_S) / f64::from(LAPS);
+    let (mut taken, mut information) = (Vec::new(), known);
+    for index in first {
+        if told[index].0.seconds <= left_s {
+            left_s -= told[index].0.seconds;
+            information = information.with(&told[index].1, f64::from(LAPS));
+            taken.push(index);
+        }
+    }
     loop {
         let score = goal.score(&information);
         let gains = told.par_iter().enumerate().filter_map(|(index, (candidate, own))| {
@@ -118,12 +133,12 @@ impl Values {
                 let parameters = declared.declared_parameters();
                 for (index, (value, parameter)) in declared.values().into_iter().zip(parameters).enumerate() {
                     let half = evidence.and_then(|known| known.half_widths.get(index)).copied();
-                    // Not fitted: neither open nor to be told.
-                    if half == Some(0.0) {
+                    // Not fitted, or one of many: neither open nor to be told.
+                    if half == Some(0.0) || parameter.is_list {
                         continue;
                     }
                     let target = within * value.abs();
-                    let wanted = half.filter(|half| *half > target && !parameter.is_list).map(|_| target);
+                    let wanted = half.filter(|half| *half > target).map(|_| target);
                     let name = format!("{axis}.{}.{}", declared.name(), parameter.key);
                     all.push(OfEffect { axis: number, effect, index, name, value, before: half, wanted });
                 }
@@ -149,11 +164,18 @@ impl Goal<'_> {
     /// enough alone.
     fn score(&self, information: &Information) -> f64 {
         let reached = |ratio: f64| (1.0 + 100.0 * ratio.clamp(0.0, 1.0)).ln() / 101_f64.ln();
-        let pairs: f64 = information.distances().iter().map(|distance| reached(distance / DECIDED)).sum();
+        let pairs: f64 = information.distances().iter().map(|distance| reached(distance / WANTED)).sum();
         let half = |value: &OfEffect| {
             information.half_widths(self.model, self.unknowns, value.axis, value.effect)[value.index]
         };
         pairs + self.values.wanted().map(|(value, wanted)| reached(wanted / half(value))).sum::<f64>()
+    }
+
+    /// Axes of which something is open.
+    fn open_axes(&self) -> Vec<String> {
+        let pairs = self.unknowns.pairs.iter().map(|pair| pair.axis);
+        let open = pairs.chain(self.values.wanted().map(|(value, _)| value.axis));
+        open.filter_map(|axis| Some(self.model.axis.get_index(axis)?.0.clone())).collect()
     }
 
     fn pairs(&self, information: &Information) -> Vec<ExpectedPair> {
@@ -174,7 +196,8 @@ impl Goal<'_> {
                 name: value.name.clone(),
                 value: value.value,
                 half_width_before: value.before,
-                half_width: halves[value.index],
+                half_width: Some(halves[value.index])
+                    .filter(|half| *half < TELLS_NOTHING * value.value.abs()),
                 wanted: value.wanted,
             }
         };

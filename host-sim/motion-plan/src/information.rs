@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::candidates::Candidate;
 use crate::response;
-use crate::unknowns::{HALF_WIDTH, Unknown, Unknowns, Variable};
+use crate::unknowns::{HALF_WIDTH, Pair, Unknowns, Variable};
 
 /// Knowledge of a variable that nothing else is known of, so that sums can be inverted: it may move by this many of its steps.
 const UNKNOWN_STEPS: f64 = 1e4;
@@ -14,75 +14,92 @@ const UNKNOWN_STEPS: f64 = 1e4;
 /// Sums over samples. Variables count in their steps, channels in standard deviations of their noise.
 #[derive(Clone, Debug)]
 pub struct Information {
-    /// Products of the sensitivities.
+    /// Products of the sensitivities of the model.
     normal: DMatrix<f64>,
-    /// For each pair, products of the sensitivities and its difference.
-    with_pairs: Vec<DVector<f64>>,
-    /// For each pair, the sum of the squares of its difference.
-    squares: Vec<f64>,
+    pairs: Vec<OfPair>,
+}
+
+/// Sums of a pair of rivals. The variables of the rival are free, too: it may have other values than those that were fitted.
+#[derive(Clone, Debug)]
+struct OfPair {
+    /// Products of all sensitivities: of the model, then of the rival.
+    normal: DMatrix<f64>,
+    /// Products of all sensitivities and the difference.
+    with: DVector<f64>,
+    /// Sum of the squares of the difference.
+    squares: f64,
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn products(columns: &[Vec<f64>]) -> DMatrix<f64> {
+    DMatrix::from_fn(columns.len(), columns.len(), |row, column| product(&columns[row], &columns[column]))
 }
 
 impl Information {
     /// What is known before any motion: tolerances.
     #[must_use]
     pub fn known(unknowns: &Unknowns) -> Self {
-        let variables = unknowns.variables.iter();
-        let weights = variables.map(|unknown| unknown.known_steps.min(UNKNOWN_STEPS).powi(-2));
-        let diagonal = DVector::from_iterator(unknowns.variables.len(), weights);
-        Self {
-            with_pairs: vec![DVector::zeros(diagonal.len()); unknowns.pairs.len()],
-            squares: vec![0.0; unknowns.pairs.len()],
-            normal: DMatrix::from_diagonal(&diagonal),
-        }
+        let weights =
+            || unknowns.variables.iter().map(|unknown| unknown.known_steps.min(UNKNOWN_STEPS).powi(-2));
+        let diagonal = |more: usize| {
+            let all: Vec<f64> = weights().chain(std::iter::repeat_n(UNKNOWN_STEPS.powi(-2), more)).collect();
+            DMatrix::from_diagonal(&DVector::from_vec(all))
+        };
+        let of_pair = |pair: &Pair| {
+            let normal = diagonal(pair.rival.coordinates().len());
+            OfPair { with: DVector::zeros(normal.nrows()), normal, squares: 0.0 }
+        };
+        Self { normal: diagonal(0), pairs: unknowns.pairs.iter().map(of_pair).collect() }
     }
 
     /// What a part tells; `None` if the model cannot be simulated on it.
     #[must_use]
     pub fn of(model: &Machine, unknowns: &Unknowns, candidate: &Candidate) -> Option<Self> {
-        let base = response::of(model, &candidate.motion)?;
-        let difference = |machine: &Machine| -> Option<Vec<f64>> {
-            let other = response::of(machine, &candidate.motion)?;
-            Some(base.iter().zip(&other).map(|(base, other)| other - base).collect())
+        let response = |machine: &Machine| response::of(machine, &candidate.motion);
+        let base = response(model)?;
+        let difference = |other: Option<Vec<f64>>, base: &[f64]| -> Vec<f64> {
+            let other = other.unwrap_or_default();
+            base.iter().zip(&other).map(|(base, other)| other - base).collect()
         };
-        let moves = |axis: usize| candidate.moving.contains(&axis);
         let columns: Vec<Vec<f64>> = unknowns
             .variables
             .par_iter()
-            .map(|unknown| {
-                let acts = moves(unknown.axis) || has_source(unknown, model);
-                if acts { difference(&unknown.moved(model)) } else { None }.unwrap_or_default()
-            })
+            .map(|unknown| difference(response(&unknown.moved(model)), &base))
             .collect();
-        let pairs: Vec<Vec<f64>> = unknowns
-            .pairs
-            .par_iter()
-            .map(|pair| difference(&pair.exchanged(model)).unwrap_or_default())
-            .collect();
-        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let count = columns.len();
-        Some(Self {
-            normal: DMatrix::from_fn(count, count, |row, column| product(&columns[row], &columns[column])),
-            with_pairs: pairs
-                .iter()
-                .map(|pair| DVector::from_fn(count, |row, _| product(&columns[row], pair)))
-                .collect(),
-            squares: pairs.iter().map(|pair| product(pair, pair)).collect(),
-        })
+        let of_pair = |pair: &Pair| {
+            let exchanged = response(&pair.exchanged(model));
+            let own = exchanged.as_deref().unwrap_or_default();
+            let moved = pair.moved().into_iter();
+            let moved = moved.map(|pair| difference(response(&pair.exchanged(model)), own));
+            let columns: Vec<Vec<f64>> = columns.iter().cloned().chain(moved).collect();
+            let apart = difference(exchanged.clone(), &base);
+            OfPair {
+                normal: products(&columns),
+                with: DVector::from_iterator(
+                    columns.len(),
+                    columns.iter().map(|column| product(column, &apart)),
+                ),
+                squares: product(&apart, &apart),
+            }
+        };
+        let pairs = unknowns.pairs.par_iter().map(of_pair).collect();
+        Some(Self { normal: products(&columns), pairs })
     }
 
     /// With another motion, a number of times.
     #[must_use]
     pub fn with(&self, other: &Self, times: f64) -> Self {
-        let pairs = self.with_pairs.iter().zip(&other.with_pairs);
+        let sum = |(own, other): (&OfPair, &OfPair)| OfPair {
+            normal: &own.normal + times * &other.normal,
+            with: &own.with + times * &other.with,
+            squares: own.squares + times * other.squares,
+        };
         Self {
             normal: &self.normal + times * &other.normal,
-            with_pairs: pairs.map(|(own, other)| own + times * other).collect(),
-            squares: self
-                .squares
-                .iter()
-                .zip(&other.squares)
-                .map(|(own, other)| own + times * other)
-                .collect(),
+            pairs: self.pairs.iter().zip(&other.pairs).map(sum).collect(),
         }
     }
 
@@ -90,11 +107,11 @@ impl Information {
     /// leaves of its squares r².
     #[must_use]
     pub fn distances(&self) -> Vec<f64> {
-        let Some(inverse) = self.normal.clone().cholesky() else { return vec![0.0; self.squares.len()] };
-        let left = |(with, squares): (&DVector<f64>, &f64)| {
-            (squares - with.dot(&inverse.solve(with))).max(0.0).sqrt()
+        let distance = |pair: &OfPair| {
+            let Some(factor) = pair.normal.clone().cholesky() else { return 0.0 };
+            (pair.squares - pair.with.dot(&factor.solve(&pair.with))).max(0.0).sqrt()
         };
-        self.with_pairs.iter().zip(&self.squares).map(left).collect()
+        self.pairs.iter().map(distance).collect()
     }
 
     /// Half widths of the 95 % intervals of the values of an effect, in the order of its values.
@@ -122,15 +139,5 @@ impl Information {
         }
         let half = |gradient: &DVector<f64>| HALF_WIDTH * gradient.dot(&(&inverse * gradient)).sqrt();
         gradients.iter().map(half).collect()
-    }
-}
-
-/// Whether an effect acts where another axis moves.
-fn has_source(unknown: &Unknown, model: &Machine) -> bool {
-    match unknown.variable {
-        Variable::Effect(effect, _) => {
-            model.axis[unknown.axis].effect[effect].distinction().source().is_some()
-        }
-        Variable::Declared(_) => false,
     }
 }

@@ -45,11 +45,7 @@ pub fn of(plan: &Plan) -> Document<'_> {
         name: &value.name,
         value: value.value,
         half_width_before: value.half_width_before,
-        half_width_expected: plan
-            .motion
-            .is_some()
-            .then_some(value.half_width)
-            .filter(|half| half.is_finite()),
+        half_width_expected: value.half_width.filter(|_| plan.motion.is_some()),
         half_width_wanted: value.wanted,
     });
     Document {

@@ -51,8 +51,8 @@ pub struct ExpectedValue {
     pub value: f64,
     /// Half width of its 95 % interval in the model, if it has one.
     pub half_width_before: Option<f64>,
-    /// Half width that a trace of the motion alone should have.
-    pub half_width: f64,
+    /// Half width that a trace of the motion alone should have; `None`: the motion tells nothing of it.
+    pub half_width: Option<f64>,
     /// Whether it is to be narrowed, and the half width that is wanted.
     pub wanted: Option<f64>,
 }

@@ -27,7 +27,12 @@ pub fn of(plan: &Plan) -> String {
 /// How long the motion takes, and what it is expected to decide.
 #[must_use]
 pub fn lead(plan: &Plan) -> String {
-    let wanted = || plan.values.iter().filter_map(|value| Some(value.half_width <= value.wanted?));
+    let wanted = || {
+        plan.values.iter().filter_map(|value| {
+            let wanted = value.wanted?;
+            Some(value.half_width.is_some_and(|half| half <= wanted))
+        })
+    };
     if plan.pairs.is_empty() && wanted().next().is_none() {
         return "Nothing is open that a motion would decide: no effect of the model has a fitted rival, and every interval is as narrow \
                 as wanted."
@@ -64,6 +69,7 @@ fn row(value: &ExpectedValue) -> String {
         .half_width_before
         .map_or_else(|| significant(value.value, 4), |half| with_spread(value.value, half));
     let wanted = value.wanted.map_or_else(String::new, |half| format!("± {}", significant(half, 2)));
-    let expected = format!("± {}", significant(value.half_width, 2));
+    let expected =
+        value.half_width.map_or_else(|| "–".to_owned(), |half| format!("± {}", significant(half, 2)));
     format!("{:<44}{before:>20}{expected:>20}{wanted:>12}", value.name).trim_end().to_owned()
 }

@@ -133,4 +133,19 @@ impl Pair {
         exchanged.axis[self.axis].effect[self.effect] = self.rival.clone();
         exchanged
     }
+
+    /// The pair with each coordinate of its rival moved by its step.
+    #[must_use]
+    pub fn moved(&self) -> Vec<Self> {
+        let coordinates = self.rival.coordinates();
+        let moved = |index: usize| {
+            let x: Vec<f64> = coordinates
+                .iter()
+                .enumerate()
+                .map(|(at, own)| own.value + if at == index { own.step } else { 0.0 })
+                .collect();
+            Self { rival: self.rival.at(&x), ..self.clone() }
+        };
+        (0..coordinates.len()).map(moved).collect()
+    }
 }

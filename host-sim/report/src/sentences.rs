@@ -109,7 +109,8 @@ fn worded(axis: &str, unit: Unit, found: &FoundEffect, is_certain: bool, at_tool
 fn at_tool(budget: &Budget, axis: &str, found: &FoundEffect) -> Option<String> {
     let (motion, cause) = budget.of_effect(axis, found.effect.name())?;
     let of = |um: f64| significant(um, 3);
-    let is_shown = found.validate_reduction_percent() >= 0.0;
+    // Without a motion of several axes there is no path that the tool could miss.
+    let is_shown = found.validate_reduction_percent() >= 0.0 && motion.whole.rms >= LEAST_AT_TOOL_UM;
     let share_um = cause.share.rms;
     is_shown.then(|| {
         if share_um < LEAST_AT_TOOL_UM {

@@ -146,7 +146,7 @@ fn notes(limits: &Limits) -> [String; 2] {
     let travels: Vec<String> = limits
         .travels
         .iter()
-        .map(|travel| format!("{} from {} to {} mm", travel.axis, travel.ends_mm[0], travel.ends_mm[1]))
+        .map(|travel| format!("{} from {:.3} to {:.3} mm", travel.axis, travel.ends_mm[0], travel.ends_mm[1]))
         .collect();
     [
         format!("It stays within {}; without a workpiece and a tool.", travels.join(", ")),

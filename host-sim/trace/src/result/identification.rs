@@ -13,9 +13,10 @@ use crate::judge::axis_findings::AxisFindings;
 use crate::options::TraceOptions;
 use crate::search::ambiguity::Ambiguity;
 use files::log::Unit;
-use model::effects::Effect;
+use model::effects::{Effect, Stage};
 use model::machine::Machine;
 use model::machine::evidence::{Certainty, Evidence};
+use model::machine::nominal::ResidualRms;
 
 /// The result of a trace: the effects that a machine shows in its logs and that its declared model lacks.
 #[derive(Clone, Debug)]
@@ -70,6 +71,17 @@ impl AxisIdentification {
             }
         };
         effects.iter().map(of).collect()
+    }
+
+    /// What remains of the channels of a linear axis; `None` of a rotary one.
+    fn residual_rms(&self) -> Option<ResidualRms> {
+        let rms = |stage| self.residual(stage).map(|of| of.after.fit).filter(|rms| rms.is_finite());
+        (self.unit == Unit::Millimetre).then(|| ResidualRms {
+            motor_um: rms(Stage::Motor),
+            table_um: rms(Stage::Table),
+            tool_um: rms(Stage::Tool),
+            force_n: rms(Stage::Force),
+        })
     }
 
     /// Pairs of effects that the logs do not distinguish, with a motion that does; without one if the machine file does not suffice to
@@ -131,6 +143,7 @@ impl Identification {
         for axis in &self.axes {
             if let Some(written) = better.axis.get_mut(&axis.axis) {
                 written.evidence = axis.evidence(&written.effect);
+                written.residual = axis.residual_rms();
             }
         }
         better
