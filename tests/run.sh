@@ -18,13 +18,12 @@ long=(
   command_line::improve:: command_line::reproduce:: command_line::compare:: command_line::worked_example::
   model_again::a_model_of_a_case_is_stable model_again::a_model_of_measured_data_is_stable
   incomplete_logs::sweep::parts_of_the_blind_cases
-  init::measured::emps
   pages_in_browser::
   budget::second_simulator::the_first_cause_is_the_true_one_on_fifty_machines
 )
 
 # Tests of `host` that are left to `tests/deep.sh host`: with them, `all` would not end within the time of CI on two cores.
-deep=(app_in_browser:: init::cases::all_other_cases)
+deep=(app_in_browser:: init::cases::all_other_cases init::measured::emps)
 
 # The tests of the host without some, by parts of their names.
 tests_of_host_without() {

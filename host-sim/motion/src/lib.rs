@@ -15,7 +15,6 @@ mod pace;
 pub mod path;
 mod read;
 mod tables;
-mod write;
 
 pub use block::{Block, Direction, Motion, Pace, Sweep};
 pub use lines::Lines;

@@ -1,7 +1,7 @@
 //! Examples below the help of each verb.
 
 /// Verbs with lines that can be typed, in the order of the help.
-pub const ALL: [(&str, &str); 24] = [
+pub const ALL: [(&str, &str); 23] = [
     (
         "trace",
         "Examples:
@@ -28,12 +28,6 @@ pub const ALL: [(&str, &str); 24] = [
         "Examples:
   lost-motion budget --model better.toml
   lost-motion budget --model better.toml --motion pocket.toml --report report",
-    ),
-    (
-        "plan",
-        "Examples:
-  lost-motion plan --model better.toml --out decide.toml
-  lost-motion plan --model better.toml --travel x=0:300 --feed 6000 --out decide.toml --gcode decide.ngc --control siemens",
     ),
     (
         "history",

@@ -24,7 +24,6 @@ mod logged_run;
 mod logs;
 mod margins;
 mod outputs;
-mod plan;
 mod positions;
 mod progress;
 mod questions;
@@ -97,8 +96,6 @@ enum Command {
     Improve(improve::Arguments),
     /// Propose gains, control law, feedback and feed-forward from the plant of a machine file, with their margins.
     Tune(tune::Arguments),
-    /// Plan the motion that decides between the rivals of a model, and narrows its widest intervals, in the least time.
-    Plan(plan::Arguments),
     /// Tell what changed on a machine over months, from its traces, and when a limit will be reached.
     History(history::Arguments),
     /// Write the tracer as one HTML file, in which anybody reads logs in a browser, without a network.
@@ -130,7 +127,6 @@ pub fn run() -> ExitCode {
         Command::Positions(arguments) => positions::run(&arguments),
         Command::Compensate(arguments) => compensate::run(&arguments),
         Command::Budget(arguments) => budget::run(&arguments),
-        Command::Plan(arguments) => plan::run(&arguments),
         Command::History(arguments) => history::run(&arguments),
         Command::App(arguments) => app::run(&arguments),
         Command::Margins(arguments) => margins::run(&arguments),

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::evidence::Evidence;
-use super::nominal::{LogOffsets, Nominal, ResidualRms};
+use super::nominal::{LogOffsets, Nominal};
 use crate::axis::{
     Controller, Drive, Feedback, Field, Filters, KeyNames, Law, Limits, Mechanics, Pid, Sensors, Settings,
     TOLERATED, Tolerances, axis_keys,
@@ -23,8 +23,6 @@ pub struct Axis {
     pub nominal: Option<Nominal>,
     /// Zeros and sampling instants of the logs, as fitted by a trace.
     pub log_offsets: Option<LogOffsets>,
-    /// What the model leaves of the logs to which a trace fitted it.
-    pub residual: Option<ResidualRms>,
     /// Effects found, in the order in which they were added.
     pub effect: Vec<Effect>,
     /// What a trace knows of the first of these effects, in the same order.
@@ -49,8 +47,7 @@ impl Axis {
     /// This axis with the values and effects before they were fitted.
     #[must_use]
     pub fn at_nominal(&self) -> Self {
-        let mut axis =
-            Self { nominal: None, log_offsets: None, residual: None, evidence: Vec::new(), ..self.clone() };
+        let mut axis = Self { nominal: None, log_offsets: None, evidence: Vec::new(), ..self.clone() };
         let Some(nominal) = &self.nominal else { return axis };
         for value in TOLERATED {
             if let Some(number) = nominal.get(value.key) {
@@ -85,8 +82,6 @@ macro_rules! axis_table {
             nominal: Option<Nominal>,
             #[serde(skip_serializing_if = "Option::is_none")]
             log_offsets: Option<LogOffsets>,
-            #[serde(skip_serializing_if = "Option::is_none")]
-            residual: Option<ResidualRms>,
             #[serde(skip_serializing_if = "Vec::is_empty")]
             effect: Vec<Effect>,
             #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -104,7 +99,6 @@ macro_rules! axis_table {
                     },
                     nominal: table.nominal,
                     log_offsets: table.log_offsets,
-                    residual: table.residual,
                     effect: table.effect,
                     evidence: table.evidence,
                     empirical: table.empirical,
@@ -118,7 +112,6 @@ macro_rules! axis_table {
                     $($($field: axis.settings.$group.$field,)+)+
                     nominal: axis.nominal,
                     log_offsets: axis.log_offsets,
-                    residual: axis.residual,
                     effect: axis.effect,
                     evidence: axis.evidence,
                     empirical: axis.empirical,

@@ -48,7 +48,6 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
         context.evidence()?;
         context.empirical(machine)?;
         context.log_offsets(machine.sample_rate_hz)?;
-        context.residual()?;
         for (index, effect) in axis.effect.iter().enumerate() {
             let effect_key = format!("{key}.effect[{index}]");
             parameters(effect, &effect_key, document)?;

@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::effects::Effect;
-
 /// Whether an effect is a fact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -44,7 +42,4 @@ pub struct Evidence {
     /// Effects that explain the logs as well.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rivals: Vec<String>,
-    /// Those of them that were fitted to the logs in its place, with their values; none of rotary axes.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub alternatives: Vec<Effect>,
 }

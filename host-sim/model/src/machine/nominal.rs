@@ -71,21 +71,6 @@ macro_rules! nominal {
 tolerated_keys!(nominal);
 
 number_table! {
-    /// `[axis.NAME.residual]`: what the model leaves of the channels of the logs to which it was fitted, rms, of a linear axis: noise, and
-    /// what it does not describe. `plan` expects the same of further logs. An absent value is unknown.
-    ResidualRms {
-        /// Of the motor, less what the loop gives from the command.
-        motor_um,
-        /// Of the table, less what the mechanics give from the motor.
-        table_um,
-        /// Of the tool, less what the structure gives from the tables.
-        tool_um,
-        /// Of the force, less what the motion requires.
-        force_n,
-    }
-}
-
-number_table! {
     /// `[axis.NAME.log_offsets]`: zeros and sampling instants of the logs to which the values of an axis were fitted. They
     /// are the initial values when a trace fits them again, and have no other use. An absent value is 0.
     LogOffsets {

@@ -12,11 +12,9 @@ use crate::input::signals::Signals;
 use crate::judge::axis_findings::AxisFindings;
 use crate::options::TraceOptions;
 use crate::search::ambiguity::Ambiguity;
-use files::log::Unit;
-use model::effects::{Effect, Stage};
+use model::effects::Effect;
 use model::machine::Machine;
 use model::machine::evidence::{Certainty, Evidence};
-use model::machine::nominal::ResidualRms;
 
 /// The result of a trace: the effects that a machine shows in its logs and that its declared model lacks.
 #[derive(Clone, Debug)]
@@ -66,22 +64,10 @@ impl AxisIdentification {
                     .map(|half| if half.is_finite() { *half } else { 0.0 })
                     .collect(),
                 rivals: found.rival_names().into_iter().map(str::to_owned).collect(),
-                alternatives: if self.unit == Unit::Degree { Vec::new() } else { found.rivals.clone() },
                 ..declared
             }
         };
         effects.iter().map(of).collect()
-    }
-
-    /// What remains of the channels of a linear axis; `None` of a rotary one.
-    fn residual_rms(&self) -> Option<ResidualRms> {
-        let rms = |stage| self.residual(stage).map(|of| of.after.fit).filter(|rms| rms.is_finite());
-        (self.unit == Unit::Millimetre).then(|| ResidualRms {
-            motor_um: rms(Stage::Motor),
-            table_um: rms(Stage::Table),
-            tool_um: rms(Stage::Tool),
-            force_n: rms(Stage::Force),
-        })
     }
 
     /// Pairs of effects that the logs do not distinguish, with a motion that does; without one if the machine file does not suffice to
@@ -143,7 +129,6 @@ impl Identification {
         for axis in &self.axes {
             if let Some(written) = better.axis.get_mut(&axis.axis) {
                 written.evidence = axis.evidence(&written.effect);
-                written.residual = axis.residual_rms();
             }
         }
         better

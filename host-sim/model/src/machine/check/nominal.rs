@@ -2,7 +2,7 @@
 
 use super::{Context, parameters};
 use crate::axis::{Drive, TOLERATED};
-use crate::machine::nominal::{ResidualRms, fit_range};
+use crate::machine::nominal::fit_range;
 use crate::range::Range;
 use files::error::InputError;
 
@@ -85,15 +85,6 @@ impl Context<'_> {
                 let what = format!("the effect of the axis at the same index ({own_name})");
                 return Err(self.document.refuse(&format!("{key}.name"), &what));
             }
-        }
-        Ok(())
-    }
-
-    /// The `residual` table: none is negative.
-    pub(super) fn residual(&self) -> Result<(), InputError> {
-        let all = self.axis.residual.iter().flat_map(ResidualRms::all);
-        for (key, value) in all.filter_map(|(key, value)| Some((key, value?))) {
-            Range::NotNegative.check(&format!("{}.residual.{key}", self.key), value, self.document)?;
         }
         Ok(())
     }
