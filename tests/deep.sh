@@ -151,7 +151,7 @@ bits() { cargo test --release --package tests --test chip random_motions:: -- --
 host() {
   rustup target list --installed | grep -qx wasm32-unknown-unknown || rustup target add wasm32-unknown-unknown
   cargo build --release --bins
-  cargo test --release --test host -- --nocapture app_in_browser:: init::cases::all_other_cases
+  cargo test --release --test host -- --nocapture app_in_browser:: init::cases::all_other_cases init::measured::emps
 }
 
 # Traces of random parts of the blind cases, of each case as many as given; other parts on every run.
