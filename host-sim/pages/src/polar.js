@@ -1,14 +1,12 @@
-// A slider for the magnification of each circle, and the deviation under the pointer. What is drawn is in the SVG itself: the radius of a
-// point beyond that of the circle, in divisions of data-division µm. Without scripts, the pictures stay as they are.
+// A slider for the magnification of each circle, and the deviation under the pointer. The radius of a point is that of the circle and its
+// deviation, in divisions of data-division µm. Without scripts, the pictures stay as they are.
 for (const svg of document.querySelectorAll("svg[data-division]")) {
   const BASE = 80, DIVISION = 15, MIDDLE = 155, HALF_WIDTH_RAD = 0.03;
   const division = Number(svg.dataset.division);
-  const lines = [...svg.querySelectorAll("polyline")].map((line) => ({
+  const { curves } = figuresOf(svg);
+  const lines = [...svg.querySelectorAll("polyline")].map((line, i) => ({
     line,
-    points: line.getAttribute("points").trim().split(/\s+/).map((pair) => {
-      const [x, y] = pair.split(",").map(Number);
-      return { angle: Math.atan2(MIDDLE - y, x - MIDDLE), um: (Math.hypot(x - MIDDLE, y - MIDDLE) - BASE) * division / DIVISION };
-    }),
+    points: curves[i].points.map(([degrees, um]) => ({ angle: degrees * Math.PI / 180, um })),
   }));
   const edges = [...svg.querySelectorAll(".edge")].map((label) => ({ label, um: Number(label.dataset.um) }));
   const rounded = (um) => Number(um.toPrecision(3)).toString().replace("-", "−");
