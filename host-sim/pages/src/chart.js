@@ -90,7 +90,7 @@ for (const svg of document.querySelectorAll("svg.chart")) {
   // Both ends are within the whole, and not closer than the figures can show.
   const show = (low, high) => {
     const length = Math.max(high - low, (whole[1] - whole[0]) / MOST_TIMES);
-    if (length >= whole[1] - whole[0]) view = whole;
+    if (length >= (1 - 1e-9) * (whole[1] - whole[0])) view = whole;
     else {
       const start = Math.min(Math.max(0.5 * (low + high - length), whole[0]), whole[1] - length);
       view = [start, start + length];

@@ -5,9 +5,11 @@
 //! - [`markup`]: HTML elements that several sections use
 //! - `data`: the figures of a picture, which the page saves as CSV
 //! - [`plot`]: line charts
+//! - [`choice`]: other curves for a circle, one choice at a time
 //! - `ticks`: the ticks of an axis
 //! - [`polar`]: deviations over the angle of a circle, as ballbar users draw them
 
+pub mod choice;
 mod data;
 pub mod markup;
 pub mod plot;
@@ -35,6 +37,9 @@ const CHART: &str = include_str!("chart.js");
 
 /// The script of the circles: a slider for the magnification, the deviation under the pointer.
 const POLAR: &str = include_str!("polar.js");
+
+/// The script of the choices of other curves for a circle.
+const CHOICE: &str = include_str!("choice.js");
 
 /// The script of the buttons that save pictures and tables.
 const SAVE: &str = include_str!("save.js");
@@ -65,6 +70,7 @@ pub fn render(title: &str, lead: &Markup, sections: &Markup) -> String {
                 script {
                     (PreEscaped(FIGURES))
                     @if sections.0.contains(polar::MARK) { (PreEscaped(POLAR)) }
+                    @if sections.0.contains(choice::MARK) { (PreEscaped(CHOICE)) }
                     @if sections.0.contains(plot::MARK) { (PreEscaped(CHART)) }
                     (PreEscaped(SAVE))
                 }

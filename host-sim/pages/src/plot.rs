@@ -15,7 +15,7 @@ pub(super) const MARK: &str = "<svg class=\"chart";
 
 /// Pixels that a label of the horizontal axis takes, and labels for which a narrow page has room.
 const LABEL_WIDTH: u32 = 60;
-const FEW: u32 = 5;
+const FEW: u32 = 6;
 
 /// Steps of the vertical axis.
 const ROWS: u32 = 6;

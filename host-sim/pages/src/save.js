@@ -1,7 +1,7 @@
 // Buttons under each picture and table that save it as SVG or CSV. The figures of a picture are read by figures.js; those of
 // a table are its cells. Nothing is fetched or sent: a file is made of what is on the page. Without scripts, the page is complete but for the buttons.
 {
-  const STYLES = ["fill", "stroke", "stroke-width", "stroke-dasharray", "stroke-linejoin", "stroke-linecap", "font-family", "font-size", "overflow", "vector-effect"];
+  const STYLES = ["fill", "opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linejoin", "stroke-linecap", "font-family", "font-size", "overflow", "vector-effect"];
   const save = (name, type, text) => {
     const link = document.createElement("a");
     link.download = name;
