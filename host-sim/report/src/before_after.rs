@@ -34,7 +34,7 @@ pub fn round_trip(motions: &[RoundTripMotion], lead: &str) -> Markup {
         (errors(&rows, &[]))
         @for motion in motions {
             @let [before, predicted, after] = &motion.errors;
-            (paragraph(&motion.name))
+            h3 { (text(&motion.name)) }
             (on_one_scale(&[("Before", before), ("Predicted", predicted), ("After", after)], &motion.axes, Last::OnOneScale))
         }
     }
@@ -42,19 +42,24 @@ pub fn round_trip(motions: &[RoundTripMotion], lead: &str) -> Markup {
 
 /// The table of contour errors: for each motion a row for each figure. `limits`: what became of limits on each motion, if there are any.
 pub(crate) fn errors(rows: &[Comparison], limits: &[Vec<Judgement>]) -> Markup {
-    let has_limits = limits.iter().any(|of_motion| !of_motion.is_empty());
-    let first = [
-        Column::Words("motion"),
-        Column::Words("figure"),
-        Column::Numbers("before, µm"),
-        Column::Numbers("predicted"),
-        Column::Numbers("after"),
+    let shown = Shown {
+        prediction: rows.iter().any(|row| row.figures.iter().any(|figure| figure[1].is_some())),
+        limits: limits.iter().any(|of_motion| !of_motion.is_empty()),
+    };
+    let columns = [
+        (true, Column::Words("motion")),
+        (true, Column::Words("figure")),
+        (true, Column::Numbers("before, µm")),
+        (shown.prediction, Column::Numbers("predicted")),
+        (true, Column::Numbers("after")),
+        (shown.limits, Column::Numbers("limit, µm")),
+        (shown.limits, Column::Words("result")),
     ];
-    let last = [Column::Numbers("limit, µm"), Column::Words("result")];
-    let columns: Vec<Column> = first.into_iter().chain(last.into_iter().filter(|_| has_limits)).collect();
+    let columns: Vec<Column> =
+        columns.into_iter().filter(|(is_shown, _)| *is_shown).map(|(_, column)| column).collect();
     let body = html! {
         @for (i, row) in rows.iter().enumerate() {
-            (of_motion(row, has_limits.then(|| limits.get(i).map_or(&[][..], Vec::as_slice))))
+            (of_motion(row, limits.get(i).map_or(&[][..], Vec::as_slice), shown))
         }
     };
     html! {
@@ -63,8 +68,15 @@ pub(crate) fn errors(rows: &[Comparison], limits: &[Vec<Judgement>]) -> Markup {
     }
 }
 
+/// The columns of the table that it has only where there is something in them.
+#[derive(Clone, Copy)]
+struct Shown {
+    prediction: bool,
+    limits: bool,
+}
+
 /// The figures of a motion that it has, in the order in which limits name them.
-fn of_motion(row: &Comparison, limits: Option<&[Judgement]>) -> Markup {
+fn of_motion(row: &Comparison, limits: &[Judgement], shown: Shown) -> Markup {
     const ORDER: [(usize, Figure); QUANTITIES.len()] =
         [(2, Figure::Circular), (0, Figure::Rms), (1, Figure::Greatest)];
     let known: Vec<(usize, Figure)> =
@@ -72,13 +84,16 @@ fn of_motion(row: &Comparison, limits: Option<&[Judgement]>) -> Markup {
     let um = |value: Option<f64>| value.map_or("–".to_owned(), |um| significant(um, 3));
     html! {
         @for (place, (index, name)) in known.iter().enumerate() {
+            @let [before, predicted, after] = row.figures[*index];
+            @let limit = limits.iter().find(|limit| limit.name == *name);
             tr {
                 @if place == 0 { th scope="row" rowspan=(known.len()) { (text(&row.name)) } }
                 td { (name.name()) }
-                @for value in row.figures[*index] { (number_cell(&um(value))) }
-                @if let Some(limits) = limits {
-                    @let limit = limits.iter().find(|limit| limit.name == *name);
-                    (number_cell(&um(limit.map(|limit| limit.limit_um))))
+                (number_cell(&um(before)))
+                @if shown.prediction { (number_cell(&um(predicted))) }
+                (number_cell(&um(after)))
+                @if shown.limits {
+                    (number_cell(&limit.map_or(String::new(), |limit| significant(limit.limit_um, 3))))
                     td.result { (limit.map_or("", |limit| limit.result.word())) }
                 }
             }

@@ -66,7 +66,7 @@ fn check_words(sheets: &[String]) {
         assert!(!all.contains(control), "{control}");
     }
     let is_on = |sheet: &&String, words: &str| sheet.contains(words);
-    let legends = [("counter-clockwise", "One division is"), ("before, mean", "residual, ")];
+    let legends = [("counter-clockwise", "One division is"), ("before, mean", "time, s")];
     for (legend, picture) in legends {
         let with_legend: Vec<&String> = sheets.iter().filter(|sheet| is_on(sheet, legend)).collect();
         assert!(!with_legend.is_empty(), "{legend}");
