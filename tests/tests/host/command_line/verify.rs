@@ -106,7 +106,8 @@ fn a_better_machine_is_confirmed_on_every_motion() {
     // Before and after on one scale, and after alone, each in picture and caption.
     assert_eq!(page.matches("magnified").count(), 3 * 2);
     assert!(page.contains("After, as large as it can be: "));
-    let left = files::format::significant(number(&motions[0], "/contour_error_um/after/rms"), 3);
+    let left_um = numerics::max(motions.iter().map(|motion| number(motion, "/contour_error_um/after/rms")));
+    let left = files::format::significant(left_um, 3);
     let verdict = format!(
         "class=\"verdict\">The contour error became smaller in 2 of 2 motions; at most {left}\u{a0}µm rms are left, in "
     );

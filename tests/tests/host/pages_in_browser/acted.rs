@@ -164,9 +164,11 @@ pub fn check_circle_reading(hover: &str, csv: &str) {
     for part in parts {
         let (name, um) = part.strip_suffix(" µm").and_then(|part| part.rsplit_once(' ')).unwrap();
         let off = |angle: f64| ((angle - degrees + 540.0).rem_euclid(360.0) - 180.0).abs();
-        // The sectors are a quarter of a degree wide, and the angle has one decimal.
+        // The nearest point is read, as far as the angle is told, with one decimal; none is read beyond 0.03 rad.
+        let nearest = curves[name].iter().map(|point| off(point.0)).fold(f64::INFINITY, f64::min);
+        assert!(nearest <= 0.03_f64.to_degrees() + 0.05, "{hover}: {nearest}");
         let near: Vec<f64> =
-            curves[name].iter().filter(|point| off(point.0) <= 0.25).map(|point| point.1).collect();
+            curves[name].iter().filter(|point| off(point.0) <= nearest + 0.1).map(|point| point.1).collect();
         let um = number(um);
         assert!(near.iter().any(|value| (value - um).abs() <= 0.006 * value.abs()), "{hover}: {near:?}");
         read += 1;
