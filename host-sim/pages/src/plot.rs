@@ -21,7 +21,7 @@ const FEW: u32 = 6;
 const ROWS: u32 = 6;
 
 /// From this height on, in parts of the width, a chart keeps its proportions: it is a plan.
-const PLAN: f64 = 2.0 / 3.0;
+const PLAN: f64 = 0.55;
 
 /// The meaning of a line or surface; the stylesheet has a class for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -285,10 +285,10 @@ mod tests {
     }
 
     #[test]
-    fn a_chart_almost_as_high_as_wide_is_a_plan() {
+    fn a_chart_higher_than_half_its_width_is_a_plan() {
         let chart =
             |size| Chart { size, title: "", description: "", x: "", y: "", noise: None, layers: Vec::new() };
-        assert!(chart((620, 500)).svg().starts_with("<svg class=\"chart plan\""));
-        assert!(chart((470, 240)).svg().starts_with("<svg class=\"chart\""));
+        assert!(chart((620, 350)).svg().starts_with("<svg class=\"chart plan\""));
+        assert!(chart((354, 190)).svg().starts_with("<svg class=\"chart\""));
     }
 }
