@@ -5,6 +5,7 @@
 //!
 //! - [`cause`]: the causes of a machine, and the machine with some of them
 //! - [`sizes`]: the figures of a contour error
+//! - [`radial`]: the radial deviation over the angle, for a picture
 //! - [`share`]: the rule by which causes that act together are told apart
 //! - [`simulation`]: the contour errors with each cause alone, and taken out
 //! - [`of_motion`]: the budget of a motion
@@ -21,6 +22,7 @@ pub mod json;
 pub mod limits;
 pub mod motions;
 pub mod of_motion;
+pub mod radial;
 pub mod remedy;
 pub mod share;
 pub mod simulation;

@@ -6,6 +6,7 @@ use model::machine::evidence::Certainty;
 
 use crate::cause::Cause;
 use crate::interval;
+use crate::radial::RadialDeviation;
 use crate::remedy;
 use crate::share::{Measured, shares, signed_root};
 use crate::simulation::Simulated;
@@ -21,6 +22,8 @@ pub struct MotionBudget {
     pub name: String,
     /// The contour error with all causes.
     pub whole: Sizes,
+    /// The radial deviation with all causes, if the motion is a circle.
+    pub circle: Option<RadialDeviation>,
     /// The causes, largest first.
     pub causes: Vec<CauseShare>,
     /// Part of the mean square that the displacements of the causes do not add up to, which is shared in proportion.
@@ -43,6 +46,8 @@ pub struct CauseShare {
     pub alone: Sizes,
     /// The contour error with all causes but this one.
     pub without: Sizes,
+    /// The radial deviation with all causes but this one, if the motion is a circle.
+    pub circle_without: Option<RadialDeviation>,
     /// Whether the cause is a fact.
     pub certainty: Certainty,
     /// What else may be the cause.
@@ -58,18 +63,18 @@ impl MotionBudget {
     /// If the motion does not fit the machine, or the machine does not complete it.
     pub fn of(simulated: &Simulated<'_>, test: &TestMotion) -> Result<Self, PredictionError> {
         let causes = Cause::all(simulated.model);
-        let (whole, each) = simulated.sizes(test, &causes)?;
+        let (whole, each) = simulated.outcomes(test, &causes)?;
         let measured: Vec<Measured> = each
             .iter()
-            .map(|one| Measured { alone: one.alone.rms.powi(2), without: one.without.rms.powi(2) })
+            .map(|one| Measured { alone: one.alone.rms.powi(2), without: one.without.sizes.rms.powi(2) })
             .collect();
-        let (squares, shared_in_proportion) = shares(whole.rms.powi(2), &measured);
+        let (squares, shared_in_proportion) = shares(whole.sizes.rms.powi(2), &measured);
         let mut causes: Vec<CauseShare> = causes
             .iter()
             .zip(each)
             .zip(squares)
             .map(|((cause, one), square)| {
-                let gone = whole.combined(one.without, |whole, without| whole - without);
+                let gone = whole.sizes.combined(one.without.sizes, |whole, without| whole - without);
                 let mean = one.alone.combined(gone, |alone, gone| 0.5 * (alone + gone));
                 let share = Sizes { rms: signed_root(square), ..mean };
                 let machine = simulated.model;
@@ -80,7 +85,8 @@ impl MotionBudget {
                     share,
                     interval_um: interval::of(cause, machine).map(|relative| around(share.rms, relative)),
                     alone: one.alone,
-                    without: one.without,
+                    without: one.without.sizes,
+                    circle_without: one.without.circle,
                     certainty: evidence.map_or(Certainty::Declared, |evidence| evidence.certainty),
                     rivals: evidence.map(|evidence| evidence.rivals.clone()).unwrap_or_default(),
                     remedy: remedy::of(cause, machine),
@@ -88,7 +94,13 @@ impl MotionBudget {
             })
             .collect();
         causes.sort_by(|a, b| b.share.rms.abs().total_cmp(&a.share.rms.abs()));
-        Ok(Self { name: test.motion.name.clone(), whole, causes, shared_in_proportion })
+        Ok(Self {
+            name: test.motion.name.clone(),
+            whole: whole.sizes,
+            circle: whole.circle,
+            causes,
+            shared_in_proportion,
+        })
     }
 
     /// The causes of at least a hundredth of the whole, and a sentence on the others, if there are any.

@@ -13,6 +13,7 @@ use files::log::{Channel, Log};
 use model::machine::Machine;
 
 use crate::cause::{self, Cause};
+use crate::radial::{self, RadialDeviation};
 use crate::sizes::Sizes;
 
 /// What is simulated.
@@ -24,13 +25,22 @@ pub struct Simulated<'a> {
     pub seed: u64,
 }
 
+/// How a motion goes wrong: the figures, and the curve if it is a circle.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The figures.
+    pub sizes: Sizes,
+    /// The radial deviation over the angle.
+    pub circle: Option<RadialDeviation>,
+}
+
 /// The contour error with a cause alone, and with all but it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct AloneAndWithout {
     /// With this cause alone.
     pub alone: Sizes,
     /// With all causes but this one.
-    pub without: Sizes,
+    pub without: Outcome,
 }
 
 impl Simulated<'_> {
@@ -38,26 +48,28 @@ impl Simulated<'_> {
     ///
     /// # Errors
     /// If the motion does not fit the machine, or the machine does not complete it.
-    pub fn sizes(
+    pub fn outcomes(
         &self,
         test: &TestMotion,
         causes: &[Cause],
-    ) -> Result<(Sizes, Vec<AloneAndWithout>), PredictionError> {
+    ) -> Result<(Outcome, Vec<AloneAndWithout>), PredictionError> {
         let lag = self.log(test, &[])?;
         let all = self.log(test, causes)?;
+        let is_circle = radial::is_circle(&test.motion);
         let one = |cause: &Cause| match cause {
-            Cause::FollowingLag => {
-                Ok(AloneAndWithout { alone: sizes(&lag)?, without: sizes(&less(&all, &lag))? })
-            }
+            Cause::FollowingLag => Ok(AloneAndWithout {
+                alone: outcome(&lag, false)?.sizes,
+                without: outcome(&less(&all, &lag), is_circle)?,
+            }),
             cause => {
                 let others: Vec<Cause> = causes.iter().filter(|other| *other != cause).cloned().collect();
                 let alone = self.log(test, std::slice::from_ref(cause))?;
-                let without = sizes(&self.log(test, &others)?)?;
-                Ok(AloneAndWithout { alone: sizes(&less(&alone, &lag))?, without })
+                let without = outcome(&self.log(test, &others)?, is_circle)?;
+                Ok(AloneAndWithout { alone: outcome(&less(&alone, &lag), false)?.sizes, without })
             }
         };
         let each = causes.par_iter().map(one).collect::<Result<_, PredictionError>>()?;
-        Ok((sizes(&all)?, each))
+        Ok((outcome(&all, is_circle)?, each))
     }
 
     /// The log of the machine with some causes, with the tool where it is and not where a probe reads it.
@@ -83,6 +95,8 @@ fn less(log: &Log, other: &Log) -> Log {
     log
 }
 
-fn sizes(log: &Log) -> Result<Sizes, PredictionError> {
-    Ok(Sizes::of(&prediction::of_aligned(log)?.0))
+fn outcome(log: &Log, is_circle: bool) -> Result<Outcome, PredictionError> {
+    let (error, motion) = prediction::of_aligned(log)?;
+    let circle = if is_circle { RadialDeviation::of(&error, &motion.axes) } else { None };
+    Ok(Outcome { sizes: Sizes::of(&error), circle })
 }

@@ -1,16 +1,20 @@
 //! Components of report pages. A page is one HTML file without references to other files; the same result gives the same bytes. It has one
-//! script, which magnifies circles and saves pictures and tables as files; the page is complete without it.
+//! script, which magnifies charts and circles and saves pictures and tables as files; the page is complete without it.
 //!
 //! - here: the page as a file: head, stylesheet, writing
 //! - [`markup`]: HTML elements that several sections use
 //! - `data`: the figures of a picture, which the page saves as CSV
 //! - [`plot`]: line charts
+//! - [`choice`]: other curves for a circle, one choice at a time
+//! - `ticks`: the ticks of an axis
 //! - [`polar`]: deviations over the angle of a circle, as ballbar users draw them
 
+pub mod choice;
 mod data;
 pub mod markup;
 pub mod plot;
 pub mod polar;
+mod ticks;
 
 use std::path::{Path, PathBuf};
 
@@ -25,8 +29,17 @@ pub const FILE_NAME: &str = "report.html";
 /// The stylesheet of every page.
 pub const STYLE: &str = include_str!("style.css");
 
+/// The script that reads the figures of pictures, for the others.
+const FIGURES: &str = include_str!("figures.js");
+
+/// The script of the line charts: a cursor, and the horizontal axis magnified.
+const CHART: &str = include_str!("chart.js");
+
 /// The script of the circles: a slider for the magnification, the deviation under the pointer.
 const POLAR: &str = include_str!("polar.js");
+
+/// The script of the choices of other curves for a circle.
+const CHOICE: &str = include_str!("choice.js");
 
 /// The script of the buttons that save pictures and tables.
 const SAVE: &str = include_str!("save.js");
@@ -55,7 +68,10 @@ pub fn render(title: &str, lead: &Markup, sections: &Markup) -> String {
                     (sections)
                 }
                 script {
+                    (PreEscaped(FIGURES))
                     @if sections.0.contains(polar::MARK) { (PreEscaped(POLAR)) }
+                    @if sections.0.contains(choice::MARK) { (PreEscaped(CHOICE)) }
+                    @if sections.0.contains(plot::MARK) { (PreEscaped(CHART)) }
                     (PreEscaped(SAVE))
                 }
             }

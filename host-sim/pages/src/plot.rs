@@ -1,26 +1,27 @@
-//! Line charts drawn by plotters, with colours and dashes from the stylesheet.
+//! Line charts, with colours and dashes from the stylesheet.
 //!
-//! plotters has no classes, only colours, and the colours of a page depend on its medium (light, dark,
-//! paper). Each [`Ink`] is therefore drawn in a colour of its own, which is replaced by a class afterwards.
-//! Coordinates are integers in plotters, so that a chart is drawn [`UNITS_PER_PIXEL`] times as large as on the
-//! page.
+//! A chart is as wide as its figure, and its words keep their size: ticks, labels and lines across stand at percentages of the plane, and the
+//! plane with the curves is an SVG element of its own, which is stretched. Its units are those of the figures (see `data`), so that the
+//! curves are the figures, and a part of the plane is magnified by its `viewBox` alone.
 
-use plotters::chart::ChartBuilder;
-use plotters::coord::Shift;
-use plotters::coord::types::RangedCoordf64;
-use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
-use plotters::element::{Circle, PathElement, Polygon};
-use plotters::prelude::{Cartesian2d, SVGBackend};
-use plotters::style::{Color, IntoFont, RGBColor, TextStyle};
+use maud::{Markup, html};
 
-use maud::PreEscaped;
+use super::data::{Curve, Decimals};
+use super::markup::text;
+use super::ticks::{self, Tick};
 
-use super::data;
-use super::markup::{self, Attributes};
-use files::format::fixed;
+/// The start of a chart, by which the page knows that it has one.
+pub(super) const MARK: &str = "<svg class=\"chart";
 
-/// Units of a drawing per pixel of the page.
-const UNITS_PER_PIXEL: u32 = 4;
+/// Pixels that a label of the horizontal axis takes, and labels for which a narrow page has room.
+const LABEL_WIDTH: u32 = 60;
+const FEW: u32 = 6;
+
+/// Steps of the vertical axis.
+const ROWS: u32 = 6;
+
+/// From this height on, in parts of the width, a chart keeps its proportions: it is a plan.
+const PLAN: f64 = 0.55;
 
 /// The meaning of a line or surface; the stylesheet has a class for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,13 +62,13 @@ const INKS: [(Ink, &str); 10] = [
 ];
 
 impl Ink {
-    const fn colour(self) -> RGBColor {
-        RGBColor(1, 2, self as u8)
-    }
-
     /// Its class in the stylesheet.
     fn class(self) -> &'static str {
         INKS.iter().find(|(ink, _)| *ink == self).map_or("", |(_, class)| class)
+    }
+
+    fn is_surface(self) -> bool {
+        matches!(self, Self::BeforeRange | Self::Noise)
     }
 }
 
@@ -106,76 +107,48 @@ impl Chart<'_> {
     /// The chart as an SVG element.
     #[must_use]
     pub fn svg(&self) -> String {
-        let size = (UNITS_PER_PIXEL * self.size.0, UNITS_PER_PIXEL * self.size.1);
-        let mut drawn = String::new();
-        let outcome = self.draw(&SVGBackend::with_string(&mut drawn, size).into_drawing_area());
-        // Drawing into memory does not fail; an error would be shown on the page.
-        if let Err(cause) = outcome {
-            return markup::paragraph(&format!("not drawn: {cause}")).into_string();
-        }
-        // The element of plotters has no title, and it has the address of a namespace, which a page does not need.
-        let body = drawn.split_once('>').map_or("", |(_, body)| body.trim_start());
-        let body = body.trim_end().strip_suffix("</svg>").unwrap_or(body);
-        let curves: Vec<data::Curve<'_>> =
+        let (width, height) = self.size;
+        let curves: Vec<Curve<'_>> =
             self.layers.iter().map(|layer| (layer.ink.class(), &layer.points[..])).collect();
-        let figures = data::packed([self.x, self.y], &curves);
-        let attributes = Attributes { figures: Some(&figures), ..Attributes::default() };
-        markup::svg(size, attributes, (self.title, self.description), &PreEscaped(with_classes(body)))
-    }
-
-    fn draw(&self, area: &Area<'_>) -> Result<(), Failure> {
+        let decimals = Decimals::of(&curves);
+        let is_plan = f64::from(height) >= PLAN * f64::from(width);
         let ((left, right), (low, high)) = self.range();
-        // plotters interprets the size of a font as its height.
-        let size = f64::from(UNITS_PER_PIXEL) * 11.0 * 1.24;
-        let colour = Ink::Label.colour();
-        let words = TextStyle::from(("sans-serif", size).into_font()).color(&colour);
-        let mut chart = ChartBuilder::on(area)
-            .margin_top(2 * UNITS_PER_PIXEL)
-            .margin_right(12 * UNITS_PER_PIXEL)
-            .x_label_area_size(34 * UNITS_PER_PIXEL)
-            .y_label_area_size(54 * UNITS_PER_PIXEL)
-            .build_cartesian_2d(left..right, low..high)?;
-        let (columns, rows) = (((self.size.0 / 60) as usize).max(3), 6);
-        chart
-            .configure_mesh()
-            .light_line_style(plotters::style::TRANSPARENT)
-            .bold_line_style(Ink::Grid.colour())
-            .axis_style(Ink::Axis.colour())
-            .disable_x_mesh()
-            .set_all_tick_mark_size(4 * UNITS_PER_PIXEL)
-            .label_style(words.clone())
-            .axis_desc_style(words)
-            .x_labels(columns)
-            .y_labels(rows)
-            .x_label_formatter(&|x| tick_label(*x, right - left, columns))
-            .y_label_formatter(&|y| tick_label(*y, high - low, rows))
-            .x_desc(self.x)
-            .y_desc(self.y)
-            .draw()?;
-        self.draw_layers(chart.plotting_area(), (left, right))?;
-        area.present()
+        let columns = ticks::within([left, right], (width / LABEL_WIDTH).max(3), FEW);
+        let rows = ticks::within([low, high], ROWS, ROWS);
+        let element = html! {
+            svg.chart.plan[is_plan] style=(format_args!("--width:{width};--height:{height}")) role="img"
+                data-figures=(decimals.heading([self.x, self.y]))
+            {
+                title { (text(self.title)) }
+                desc { (text(self.description)) }
+                (vertical_axis(&rows, self.y))
+                (horizontal_axis(&columns, self.x))
+                (self.plane(decimals))
+            }
+        };
+        element.into_string()
     }
 
-    /// The noise band, the line y = 0, and the layers over them.
-    fn draw_layers(&self, plane: &Plane<'_>, (left, right): (f64, f64)) -> Result<(), Failure> {
-        if let Some(noise) = self.noise {
-            if noise > 0.0 {
-                let corners = vec![(left, -noise), (left, noise), (right, noise), (right, -noise)];
-                draw_surface(plane, Ink::Noise, corners)?;
+    /// The noise band, the line y = 0, and the layers over them. Values are upwards, as `scale` makes it.
+    fn plane(&self, decimals: Decimals) -> Markup {
+        let ((left, right), (low, high)) = self.range();
+        let (x, top) = decimals.units((left, -high));
+        let (width, height) = decimals.units((right - left, high - low));
+        let [x, top, width, height] = [x, top, width, height].map(short);
+        let half = self.noise.map(|noise| decimals.units((0.0, noise)).1);
+        html! {
+            svg.plane viewBox=(format_args!("{x} {top} {width} {height}")) preserveAspectRatio="none" width="100%" height="100%"
+                aria-hidden="true"
+            {
+                g transform="scale(1 -1)" {
+                    @if let Some(half) = half {
+                        @if half > 0.0 { path.noise d=(format_args!("M{x} {}h{width}v{}h-{width}z", short(half), short(-2.0 * half))) {} }
+                        path.zero d=(format_args!("M{x} 0h{width}")) {}
+                    }
+                    @for layer in self.layers.iter().filter(|layer| !layer.points.is_empty()) { (layer.drawn(decimals)) }
+                }
             }
-            plane.draw(&PathElement::new(vec![(left, 0.0), (right, 0.0)], Ink::Zero.colour()))?;
         }
-        for layer in &self.layers {
-            if matches!(layer.ink, Ink::BeforeRange | Ink::Noise) {
-                draw_surface(plane, layer.ink, layer.points.clone())?;
-            } else {
-                plane.draw(&PathElement::new(layer.points.clone(), layer.ink.colour()))?;
-            }
-            for point in layer.points.iter().filter(|_| layer.is_marked) {
-                plane.draw(&Circle::new(*point, 2 * UNITS_PER_PIXEL, layer.ink.colour()))?;
-            }
-        }
-        Ok(())
     }
 
     /// Ends of both axes: they include all points and the noise band, vertically with a margin.
@@ -189,12 +162,65 @@ impl Chart<'_> {
     }
 }
 
-type Failure = DrawingAreaErrorKind<std::io::Error>;
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Plane<'a> = DrawingArea<SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+impl Layer {
+    /// A line or surface, and its corners as dots.
+    fn drawn(&self, decimals: Decimals) -> Markup {
+        let end = if self.ink.is_surface() { "z" } else { "" };
+        // The first step is from 0, 0.
+        let line = decimals.steps(&self.points, " ");
+        html! {
+            g class=(self.ink.class()) {
+                path d=(format_args!("m{line}{end}")) {}
+                @if self.is_marked {
+                    @let dots = decimals.steps(&self.points, "h0m");
+                    path.dots d=(format_args!("{}h0", dots.trim_start_matches("h0"))) {}
+                }
+            }
+        }
+    }
+}
 
-fn draw_surface(plane: &Plane<'_>, ink: Ink, corners: Vec<(f64, f64)>) -> Result<(), Failure> {
-    plane.draw(&Polygon::new(corners, ink.colour().filled()))
+/// The lines across, labels and name of the vertical axis.
+fn vertical_axis(ticks: &[Tick], name: &str) -> Markup {
+    html! {
+        @for tick in ticks {
+            @let y = percent(1.0 - tick.place);
+            line.grid x2="100%" y1=(y) y2=(y) {}
+            line.axis x1="-4" y1=(y) y2=(y) {}
+            text.label x="-7" y=(y) dy=".35em" text-anchor="end" { (tick.label) }
+        }
+        line.axis y2="100%" {}
+        // A percentage cannot be turned: it is the place of an element of its own.
+        svg y="50%" aria-hidden="true" { text.label transform="rotate(-90)" y="-42" text-anchor="middle" { (text(name)) } }
+    }
+}
+
+/// The ticks and labels of the horizontal axis, which the script replaces, and its name.
+fn horizontal_axis(ticks: &[Tick], name: &str) -> Markup {
+    html! {
+        svg y="100%" aria-hidden="true" {
+            g.ticks {
+                @for tick in ticks {
+                    @let x = percent(tick.place);
+                    line.axis x1=(x) x2=(x) y2="4" {}
+                    text.label.fine[!tick.is_coarse] x=(x) y="17" text-anchor="middle" { (tick.label) }
+                }
+            }
+            line.axis x2="100%" {}
+            text.label x="50%" y="31" text-anchor="middle" { (text(name)) }
+        }
+    }
+}
+
+/// A length in units of the plane, of which a thousandth is not seen.
+fn short(units: f64) -> String {
+    let text = format!("{units:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// A part as a percentage with two decimals.
+fn percent(part: f64) -> String {
+    format!("{:.2}%", 100.0 * part)
 }
 
 /// Minimum and maximum, moved apart if they are equal; 0 and 1 without values.
@@ -209,42 +235,17 @@ fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
     }
 }
 
-/// A label of an axis with as many decimals as neighbouring labels need to differ.
-fn tick_label(value: f64, range: f64, count: usize) -> String {
-    // Between `count` labels are `count` − 1 steps, and up to two more outside them.
-    let min_step = range / (count + 1) as f64;
-    let power = 10_f64.powf(min_step.log10().floor());
-    // Steps are 1, 2 or 5 times a power of ten.
-    let step =
-        [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|step| *step >= min_step).unwrap_or(power);
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and 9")]
-    let decimals = (-(step * 1.001).log10().floor()).clamp(0.0, 9.0) as usize;
-    fixed(value, decimals)
-}
-
-/// Replaces colours by their classes and removes attributes that the stylesheet sets.
-fn with_classes(drawn: &str) -> String {
-    let mut classed = drawn.replace(" opacity=\"1\"", "").replace(" stroke-width=\"1\"", "");
-    for (ink, class) in INKS {
-        let RGBColor(r, g, b) = ink.colour();
-        for attribute in ["fill", "stroke"] {
-            classed = classed
-                .replace(&format!("{attribute}=\"#{r:02X}{g:02X}{b:02X}\""), &format!("class=\"{class}\""));
-        }
-    }
-    for attribute in [" fill=\"none\"", " stroke=\"none\"", " font-family=\"sans-serif\""] {
-        classed = classed.replace(attribute, "");
-    }
-    classed.replace(" \"/>", "\"/>")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn a_chart_names_its_inks_and_holds_no_colour_of_its_own() {
-        let line = |ink| Layer { ink, points: vec![(0.0, 1.0), (1.0, -2.0), (2.0, 0.5)], is_marked: false };
+        let line = |ink| Layer {
+            ink,
+            points: vec![(0.0, 1.0), (1.0, -2.0), (2.0, 0.5)],
+            is_marked: ink == Ink::Third,
+        };
         let chart = Chart {
             size: (400, 200),
             title: "a < b",
@@ -258,28 +259,36 @@ mod tests {
                 line(Ink::After),
                 line(Ink::Third),
                 line(Ink::Fourth),
+                line(Ink::Label),
             ],
         };
         let svg = chart.svg();
         assert!(
-            svg.starts_with("<svg viewBox=\"0 0 1600 800\" role=\"img\" data-figures=\"time, s\n"),
+            svg.starts_with("<svg class=\"chart\" style=\"--width:400;--height:200\" role=\"img\""),
             "{svg}"
         );
-        assert!(svg.contains("\nafter 0,1000 10000,-2000 10000,500\n"), "{svg}");
-        assert!(svg.contains("><title>a &lt; b</title>"), "{svg}");
+        assert!(svg.contains("data-figures=\"time, s\nresidual, µm\n4 3\"><title>a &lt; b</title>"), "{svg}");
+        // Figures are the path: 0, 1; then 1, −2; then 2, 0.5.
+        assert!(
+            svg.contains("<g class=\"after\"><path d=\"m 0,1000 10000,-3000 10000,2500\"></path></g>"),
+            "{svg}"
+        );
+        assert!(svg.contains("<g class=\"cw\"><path d=\"m 0,1000 10000,-3000 10000,2500\"></path><path class=\"dots\" d=\"m0,1000h0m10000,-3000h0m10000,2500h0\"></path></g>"), "{svg}");
+        // The plane: 0 to 2, and −2 to 1 with a margin of 6 %.
+        assert!(svg.contains("viewBox=\"0 -1180 20000 3360\""), "{svg}");
         assert!(!svg.contains('#') && !svg.contains("http"), "{svg}");
         for (_, class) in INKS {
-            assert!(svg.contains(&format!("class=\"{class}\"")), "{class} in {svg}");
+            assert!(svg.contains(&format!("class=\"{class}")), "{class} in {svg}");
         }
         assert_eq!(svg.matches("<svg").count(), svg.matches("</svg>").count());
         assert_eq!(svg, chart.svg());
     }
 
     #[test]
-    fn labels_have_the_digits_they_need() {
-        assert_eq!(tick_label(0.05, 0.31, 6), "0.05");
-        assert_eq!(tick_label(0.1, 0.5, 6), "0.1");
-        assert_eq!(tick_label(-0.02, 0.06, 6), "−0.02");
-        assert_eq!(tick_label(1500.0, 6000.0, 6), "1500");
+    fn a_chart_higher_than_half_its_width_is_a_plan() {
+        let chart =
+            |size| Chart { size, title: "", description: "", x: "", y: "", noise: None, layers: Vec::new() };
+        assert!(chart((620, 350)).svg().starts_with("<svg class=\"chart plan\""));
+        assert!(chart((354, 190)).svg().starts_with("<svg class=\"chart\""));
     }
 }

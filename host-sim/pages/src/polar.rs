@@ -52,12 +52,18 @@ pub fn drawing(
         (labels(axes, division_um))
         @for (class, points) in lines { polyline class=(class) points=(path(points)) {} }
     };
+    let figures = figures(lines);
+    let attributes = Attributes { division_um: Some(division_um), figures: Some(&figures) };
+    svg((SIDE, SIDE), attributes, (title, description), &body)
+}
+
+/// The figures of the lines of a picture, as its script reads them.
+#[must_use]
+pub fn figures(lines: &[(&str, &[(f64, f64)])]) -> String {
     let degrees: Vec<(&str, Vec<(f64, f64)>)> =
         lines.iter().map(|(class, points)| (*class, in_degrees(points))).collect();
     let curves: Vec<data::Curve<'_>> = degrees.iter().map(|(class, points)| (*class, &points[..])).collect();
-    let figures = data::packed(["angle, degrees", "radial deviation, µm"], &curves);
-    let attributes = Attributes { division_um: Some(division_um), figures: Some(&figures) };
-    svg((SIDE, SIDE), attributes, (title, description), &body)
+    data::packed(["angle, degrees", "radial deviation, µm"], &curves)
 }
 
 /// The points with their angles in degrees, for a file.

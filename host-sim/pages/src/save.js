@@ -1,7 +1,7 @@
-// Buttons under each picture and table that save it as SVG or CSV. The figures of a picture are in its data-figures (see data.rs); those of
+// Buttons under each picture and table that save it as SVG or CSV. The figures of a picture are read by figures.js; those of
 // a table are its cells. Nothing is fetched or sent: a file is made of what is on the page. Without scripts, the page is complete but for the buttons.
 {
-  const STYLES = ["fill", "stroke", "stroke-width", "stroke-dasharray", "stroke-linejoin", "font-family", "vector-effect"];
+  const STYLES = ["fill", "opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linejoin", "stroke-linecap", "font-family", "font-size", "overflow", "vector-effect"];
   const save = (name, type, text) => {
     const link = document.createElement("a");
     link.download = name;
@@ -13,6 +13,17 @@
   };
   const fileName = (title, end) => `${title.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-|-$/g, "") || "figure"}.${end}`;
 
+  // The labels of a line chart stand in its padding, which a file does not have.
+  const framed = (svg, copy) => {
+    const { width, height } = svg.getBoundingClientRect(), style = getComputedStyle(svg);
+    const [top, right, bottom, left] = ["Top", "Right", "Bottom", "Left"].map((side) => parseFloat(style[`padding${side}`]));
+    const place = { x: left, y: top, width: width - left - right, height: height - top - bottom, overflow: "visible" };
+    for (const [name, value] of Object.entries(place)) copy.setAttribute(name, value);
+    const file = document.createElementNS(svg.namespaceURI, "svg");
+    for (const [name, value] of Object.entries({ width, height, viewBox: `0 0 ${width} ${height}` })) file.setAttribute(name, value);
+    file.append(copy);
+    return file;
+  };
   // The stylesheet of the page is not in the file of a picture: each element takes what applies to it along.
   const svgOf = (svg) => {
     const copy = svg.cloneNode(true);
@@ -21,28 +32,16 @@
       const style = getComputedStyle(element);
       copies[i].setAttribute("style", STYLES.map((name) => `${name}:${style.getPropertyValue(name)}`).join(";"));
     });
-    copy.removeAttribute("data-figures");
-    copy.style.background = getComputedStyle(document.body).backgroundColor;
-    return new XMLSerializer().serializeToString(copy);
+    for (const name of ["data-figures", "tabindex", "aria-keyshortcuts"]) copy.removeAttribute(name);
+    const file = svg.matches(".chart") ? framed(svg, copy) : copy;
+    file.style.background = getComputedStyle(document.body).backgroundColor;
+    return new XMLSerializer().serializeToString(file);
   };
   const cell = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
   const csvOf = (svg) => {
-    const names = {};
-    for (const key of (svg.closest("section") ?? document).querySelectorAll(".key")) {
-      names[key.querySelector("svg *").getAttribute("class")] = key.textContent.trim();
-    }
-    const [abscissa, value, digits, ...curves] = svg.dataset.figures.split("\n");
-    const [x, y] = digits.split(" ").map(Number);
-    const number = (whole, decimals) => Number((whole / 10 ** decimals).toFixed(Math.max(decimals, 0)));
-    const lines = curves.flatMap((curve) => {
-      const [name, ...points] = curve.split(" ");
-      let at = 0;
-      return points.map((point) => {
-        const [step, whole] = point.split(",").map(Number);
-        at += step;
-        return `${cell(names[name] ?? name)},${number(at, x)},${number(whole, y)}`;
-      });
-    });
+    const { abscissa, value, curves } = figuresOf(svg);
+    const words = wordsOf(svg);
+    const lines = curves.flatMap(({ name, points }) => points.map(([x, y]) => `${cell(words[name] ?? name)},${x},${y}`));
     return [`curve,${cell(abscissa)},${cell(value)}`, ...lines].join("\n") + "\n";
   };
   const tableOf = (table) => {

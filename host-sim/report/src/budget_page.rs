@@ -1,9 +1,11 @@
-//! The page of `budget`, and its section on the page of a trace: for each motion a sentence, and the causes as bars in µm.
+//! The page of `budget`, and its section on the page of a trace: for each motion a sentence, the causes as bars in µm, and
+//! of a circle the picture.
 
 use std::path::{Path, PathBuf};
 
 use maud::{Markup, html};
 
+use super::budget_circle;
 use budget::text::sentence;
 use budget::{Budget, CauseShare, MotionBudget};
 use files::format::significant;
@@ -38,7 +40,7 @@ pub fn sections(budget: &Budget) -> Markup {
         @if let Some((first, others)) = budget.motions.split_first() {
             (section(&heading(first), &of_motion(first)))
             @for motion in others {
-                details { summary { (text(&sentence(motion))) } (bars(motion)) }
+                details { summary { (text(&sentence(motion))) } (bars(motion)) (budget_circle::of_motion(motion)) }
             }
         }
         @if !said.is_empty() { (section("Assumed and left out", &list(&said))) }
@@ -54,7 +56,7 @@ fn heading(motion: &MotionBudget) -> String {
 }
 
 fn of_motion(motion: &MotionBudget) -> Markup {
-    html! { (paragraph(&sentence(motion))) (bars(motion)) }
+    html! { (paragraph(&sentence(motion))) (bars(motion)) (budget_circle::of_motion(motion)) }
 }
 
 /// The table of the causes with their bars.
@@ -131,5 +133,9 @@ mod tests {
         assert!(shown > 4, "{shown}");
         assert_eq!(page.matches("class=\"bar\"").count(), shown);
         assert_eq!(page.matches("width=\"100.00\"").count(), 1);
+        // The circle with all causes, and a choice for each cause that is shown.
+        assert_eq!(page.matches("data-division=\"").count(), 1);
+        assert_eq!(page.matches("type=\"radio\"").count(), 1 + shown);
+        assert!(page.contains("Without backlash of x: G ="), "{page}");
     }
 }

@@ -15,12 +15,13 @@
 //! | [`circle_page`] | a circle alone, and what it is made of |
 //! | [`positions_page`] | a positioning test: figures, deviation over position, and what it is made of |
 //! | [`certificate`] | the verdict in one sentence, limits, machine and logs |
-//! | [`budget_page`] | what each cause costs at the tool |
+//! | [`budget_page`], `budget_circle` | what each cause costs at the tool; the circle without each |
 //! | [`before_after`] | motions before, as predicted, and after a compensation |
 //! | [`ranking`] | the candidates of each round |
 
 mod axis_view;
 pub mod before_after;
+mod budget_circle;
 pub mod budget_page;
 mod caveats;
 pub mod certificate;

@@ -1,16 +1,18 @@
-//! The page of `verify`: contour errors before, predicted and after, and the circles before and after on one scale.
+//! The page of `verify`: the verdict in one sentence, contour errors before, predicted and after with their limits, and the circles before and
+//! after on one scale, and after for itself.
 
 use std::path::{Path, PathBuf};
 
 use maud::{Markup, html};
 
-use super::before_after::{self, on_one_scale};
+use super::before_after::{self, Last, on_one_scale};
 use super::certificate;
-use budget::limits::Judgement;
+use budget::limits::{Judged, Judgement, Limit, Trust, judged};
+use contour::comparison::Comparison;
 use contour::verification::{Change, VerifiedMotion};
 use files::format::significant;
 use files::output::OutputError;
-use pages::markup::{list, note, paragraph, section};
+use pages::markup::{list, note, section, text};
 
 /// Smallest ratio of the noise before and after that is stated.
 const MAX_NOISE_RATIO: f64 = 1.5;
@@ -32,12 +34,67 @@ pub fn write(
 #[must_use]
 pub fn html(machine: &str, motions: &[VerifiedMotion], limits: &[Judgement]) -> String {
     let sections = html! {
+        (section("Contour error", &errors(motions, limits)))
         (section("Limits", &certificate::limits(limits)))
-        (section("Contour error", &errors(motions)))
         @for motion in motions { (section(&format!("Radial deviation of {}", motion.name), &circles(motion))) }
     };
-    let lead = paragraph(&summary(motions));
+    let lead = html! { p.verdict { (text(&verdict(motions, limits))) } };
     pages::render(&format!("Before and after: {machine}"), &lead, &sections)
+}
+
+/// The result in one sentence: how the contour error changed, what is left, whether predictions hold, and limits.
+#[must_use]
+pub fn verdict(motions: &[VerifiedMotion], limits: &[Judgement]) -> String {
+    let first = match motions {
+        [motion] => of_motion(motion),
+        motions => of_motions(motions),
+    };
+    let parts: Vec<String> = first.into_iter().chain(budget::limits::summary(limits)).collect();
+    format!("{}.", parts.join("; "))
+}
+
+fn of_motion(motion: &VerifiedMotion) -> Vec<String> {
+    let um = |um: f64| significant(um, 3);
+    let change = match motion.change() {
+        Change::Better => "became smaller",
+        Change::Worse => "became larger",
+        Change::Unchanged => "did not change by more than chance",
+    };
+    let [before, after] = [&motion.before, &motion.after].map(|error| um(error.rms_without_noise_um()));
+    let circular = motion
+        .circular_um()
+        .map_or(String::new(), |[before, after]| format!(", and G from {} to {} µm", um(before), um(after)));
+    let error =
+        format!("The contour error of {} {change}, from {before} to {after} µm rms{circular}", motion.name);
+    let prediction =
+        motion.is_as_predicted().zip(motion.rms_um()[1]).map(|(is_as_predicted, predicted_um)| {
+            let holds = if is_as_predicted { "this is" } else { "this is not" };
+            format!("{holds} as predicted, {} µm rms", um(predicted_um))
+        });
+    [error].into_iter().chain(prediction).collect()
+}
+
+fn of_motions(motions: &[VerifiedMotion]) -> Vec<String> {
+    let count = |change: Change| motions.iter().filter(|motion| motion.change() == change).count();
+    let worse = match count(Change::Worse) {
+        0 => String::new(),
+        worse => format!(" and larger in {worse}"),
+    };
+    let error = format!(
+        "The contour error became smaller in {} of {} motions{worse}",
+        count(Change::Better),
+        motions.len()
+    );
+    let left_um = |motion: &&VerifiedMotion| motion.after.rms_without_noise_um();
+    let left = motions.iter().max_by(|a, b| left_um(a).total_cmp(&left_um(b)));
+    let left = left.map(|motion| {
+        format!("at most {} µm rms are left, in {}", significant(left_um(&motion), 3), motion.name)
+    });
+    let judged: Vec<bool> = motions.iter().filter_map(VerifiedMotion::is_as_predicted).collect();
+    let predictions = (!judged.is_empty()).then(|| {
+        format!("{} of {} predictions hold", judged.iter().filter(|holds| **holds).count(), judged.len())
+    });
+    [error].into_iter().chain(left).chain(predictions).collect()
 }
 
 /// How many motions became better, worse, or neither.
@@ -131,12 +188,22 @@ fn on_noise(motion: &VerifiedMotion) -> Option<String> {
     })
 }
 
-fn errors(motions: &[VerifiedMotion]) -> Markup {
+fn errors(motions: &[VerifiedMotion], limits: &[Judgement]) -> Markup {
     let remarks = remarks(motions);
+    let rows: Vec<Comparison> = motions.iter().map(VerifiedMotion::comparison).collect();
+    let of_motions: Vec<Vec<Judgement>> = motions.iter().map(|motion| of_its_log(motion, limits)).collect();
     html! {
-        (before_after::errors(&motions.iter().map(VerifiedMotion::comparison).collect::<Vec<_>>()))
+        (before_after::errors(&rows, &of_motions))
         @if !remarks.is_empty() { (list(&remarks)) }
     }
+}
+
+/// What becomes of the limits on one motion.
+fn of_its_log(motion: &VerifiedMotion, limits: &[Judgement]) -> Vec<Judgement> {
+    let limits: Vec<Limit> =
+        limits.iter().map(|limit| Limit { figure: limit.name, um: limit.limit_um }).collect();
+    let logs = [motion.log_after()];
+    judged(&limits, &Judged { logs: &logs, faulty: &[], motions: &[], trust: Trust::Whole })
 }
 
 /// The largest circle before and after; empty if the motion has none.
@@ -144,6 +211,6 @@ fn circles(motion: &VerifiedMotion) -> Markup {
     let errors = [("Before", &motion.before), ("After", &motion.after)];
     html! {
         (note(&format!("Measured at the {}.", motion.channel.word())))
-        (on_one_scale(&errors, &motion.axes))
+        (on_one_scale(&errors, &motion.axes, Last::AndAlone))
     }
 }

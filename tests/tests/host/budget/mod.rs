@@ -47,3 +47,33 @@ fn the_shares_are_the_whole() {
         assert!(motion.causes.is_sorted_by(|a, b| a.share.rms.abs() >= b.share.rms.abs()));
     }
 }
+
+/// The curve of the circle belongs to its figures: the tool is at least as far from the path as the circle deviates. G is a range about the
+/// fitted centre, whose offset e is the first harmonic of the deviation: with the greatest deviation m, e ≤ (4/π)·m and G ≤ 2·m + 2·e, so
+/// that m ≥ 0.22·G.
+#[test]
+fn the_curve_of_a_circle_belongs_to_its_figures() {
+    let text =
+        format!("{}\n[[axis.x.effect]]\nname = 'backlash'\nwidth_um = 12.0\n", model::examples::DEMO_MACHINE);
+    let machine = Machine::parse(&text, "m.toml").unwrap();
+    let motion = on_circle(&machine);
+    let causes = motion.causes.iter().map(|cause| (&cause.circle_without, cause.without));
+    let all = std::iter::once((&motion.circle, motion.whole)).chain(causes);
+    let mut greatest_um = Vec::new();
+    for (circle, sizes) in all {
+        let circle = circle.as_ref().unwrap();
+        assert_eq!(circle.axes, ["x", "y"]);
+        assert!((circle.radius_m - 0.03).abs() < 1e-9);
+        assert_eq!(circle.laps.iter().map(|lap| lap.is_clockwise).collect::<Vec<_>>(), [false, true]);
+        assert!(circle.laps.iter().all(|lap| (350..=360).contains(&lap.points.len())));
+        let um = circle.greatest_um();
+        assert!(um <= sizes.max + 1e-6 && um >= 0.22 * sizes.circular.unwrap(), "{um} {sizes:?}");
+        greatest_um.push(um);
+    }
+    // Only a motion along arcs has a curve, though the part has a full circle, too.
+    let budget = Budget::of(&machine, &standard(&Travel::of(&machine)), 1).unwrap();
+    let has: Vec<bool> = budget.motions.iter().map(|motion| motion.circle.is_some()).collect();
+    assert_eq!(has, [true, false, false, false]);
+    // Taking out the largest cause changes the curve.
+    assert!((greatest_um[0] - greatest_um[1]).abs() > 0.01 * greatest_um[0], "{greatest_um:?}");
+}

@@ -103,7 +103,21 @@ fn a_better_machine_is_confirmed_on_every_motion() {
     let page = fs::read_to_string(folder.path().join("report/report.html")).unwrap();
     assert!(page.contains("Radial deviation of circle_with") && page.contains("Measured at the tool."));
     assert!(page.contains("Radial deviation from the programmed circle"));
-    assert_eq!(page.matches("magnified").count() % 2, 0, "before and after, each in picture and caption");
+    // Before and after on one scale, and after alone, each in picture and caption.
+    assert_eq!(page.matches("magnified").count(), 3 * 2);
+    assert!(page.contains("After, as large as it can be: "));
+    let left_um = numerics::max(motions.iter().map(|motion| number(motion, "/contour_error_um/after/rms")));
+    let left = files::format::significant(left_um, 3);
+    let verdict = format!(
+        "class=\"verdict\">The contour error became smaller in 2 of 2 motions; at most {left}\u{a0}µm rms are left, in "
+    );
+    assert!(page.contains(&verdict), "{verdict}");
+    assert!(
+        page.contains(
+            "<th class=\"n\" scope=\"col\">before, µm</th><th class=\"n\" scope=\"col\">after</th>"
+        ),
+        "no prediction"
+    );
 }
 
 /// `simulate` evaluates the path of the motion file, `verify` that of the logged command, which differ by rounding only.

@@ -1,8 +1,11 @@
-//! Pages in headless Chromium: at 390, 768 and 1280 pixels nothing scrolls sideways and no script fails; the slider of a circle changes what is
-//! drawn, and the pointer shows the deviation under it; pictures and tables are saved as files; nothing hinders keyboards and screen readers.
+//! Pages in headless Chromium: at 390, 768 and 1280 pixels nothing scrolls sideways and no script fails; the slider of a circle, its causes, and
+//! the magnification of a chart change what is drawn, and the pointer shows the figures under it; pictures and tables are saved as files;
+//! nothing hinders keyboards and screen readers. A page is printed.
 //! `run.sh all` installs Chromium; without it, the test says so and passes.
 
+mod acted;
 mod axe;
+mod printed;
 
 use std::fs;
 use std::path::Path;
@@ -38,26 +41,46 @@ fn seen(browser: &str, page: &Path) -> Vec<Value> {
     serde_json::from_str(&json).unwrap()
 }
 
-/// Checks a page, and gives the files that it saves, by name and text.
-fn check(browser: &str, page: &Path, has_circle: bool) -> Vec<(String, String)> {
+/// What a page has to be seen on it.
+#[derive(Clone, Copy, Default)]
+struct Has {
+    circle: bool,
+    chart: bool,
+    choices: bool,
+}
+
+/// What was seen of a page: at each width, and the files that it saves, by name and text.
+struct Seen {
+    widths: Vec<Value>,
+    files: Vec<(String, String)>,
+}
+
+impl Seen {
+    /// The figures of a picture, by the beginning of its name.
+    fn csv(&self, name: &str) -> &str {
+        let is_of = |file: &&(String, String)| file.0.starts_with(name) && has_suffix(&file.0, "csv");
+        &self.files.iter().find(is_of).unwrap_or_else(|| panic!("no {name}")).1
+    }
+}
+
+/// Checks a page.
+fn check(browser: &str, page: &Path, has: Has) -> Seen {
     let has_axe = axe::put_beside(page);
     let mut files = Vec::new();
-    for mut seen in seen(browser, page) {
+    let mut widths = seen(browser, page);
+    for seen in &mut widths {
         let saved = seen["saved"].take();
         let width = seen["width"].as_f64().unwrap();
         assert_eq!(seen["errors"], serde_json::json!([]), "{seen}");
         assert!(seen["scroll"].as_f64().unwrap() <= width, "{}: {seen}", page.display());
-        assert_eq!(seen.get("before").is_some(), has_circle, "{seen}");
-        if has_circle {
-            // A magnification of 4: the line goes farther out.
-            assert!(seen["after"].as_f64().unwrap() > 1.02 * seen["before"].as_f64().unwrap(), "{seen}");
-            assert!(seen["division"].as_str().unwrap().starts_with("division "), "{seen}");
-            let hover = seen["hover"].as_str().unwrap();
-            assert!(hover.starts_with("0.0°") || hover.starts_with("360.0°"), "{seen}");
-            assert!(hover.contains("wise") && hover.contains(" µm"), "{seen}");
+        for (key, is_there) in [("before", has.circle), ("chart", has.chart), ("choices", has.choices)] {
+            assert_eq!(seen.get(key).is_some(), is_there, "{key}: {seen}");
+        }
+        if has.circle {
+            check_magnified(seen);
         }
         if !saved.is_null() {
-            files = check_saved(&seen, saved.as_array().unwrap());
+            files = check_saved(seen, saved.as_array().unwrap());
             assert_eq!(seen["unnamed"], 0, "each picture has a title: {seen}");
             let expected = if has_axe { serde_json::json!([]) } else { Value::Null };
             assert_eq!(seen["hindrances"], expected, "{}", page.display());
@@ -65,7 +88,22 @@ fn check(browser: &str, page: &Path, has_circle: bool) -> Vec<(String, String)> 
     }
     assert!(!files.is_empty(), "{}", page.display());
     assert!(fs::metadata(page).unwrap().len() < 1_000_000, "{}", page.display());
-    files
+    let seen = Seen { widths, files };
+    if has.chart {
+        for at_width in &seen.widths {
+            acted::check_chart(at_width, seen.csv(at_width["chart"]["file"].as_str().unwrap()));
+        }
+    }
+    seen
+}
+
+/// At a magnification of 4, the line goes farther out.
+fn check_magnified(seen: &Value) {
+    assert!(seen["after"].as_f64().unwrap() > 1.02 * seen["before"].as_f64().unwrap(), "{seen}");
+    assert!(seen["division"].as_str().unwrap().starts_with("division "), "{seen}");
+    let hover = seen["hover"].as_str().unwrap();
+    assert!(hover.starts_with("0.0°") || hover.starts_with("360.0°"), "{seen}");
+    assert!(hover.contains("wise") && hover.contains(" µm"), "{seen}");
 }
 
 fn has_suffix(name: &str, suffix: &str) -> bool {
@@ -98,9 +136,7 @@ fn check_saved(seen: &Value, saved: &[Value]) -> Vec<(String, String)> {
 }
 
 /// The saved deviation of the measured circle goes from the least to the greatest one of the JSON.
-fn check_circle(files: &[(String, String)], json: &Value) {
-    let (_, csv) =
-        files.iter().find(|(name, _)| name.starts_with("as-measured") && has_suffix(name, "csv")).unwrap();
+fn check_circle(csv: &str, json: &Value) {
     let mut reader = csv::ReaderBuilder::new().from_reader(csv.as_bytes());
     assert_eq!(reader.headers().unwrap(), vec!["curve", "angle, degrees", "radial deviation, µm"]);
     let rows: Vec<(String, f64, f64)> = reader.deserialize().map(Result::unwrap).collect();
@@ -116,6 +152,20 @@ fn check_circle(files: &[(String, String)], json: &Value) {
     );
 }
 
+/// A program run whose outputs the pages are compared with.
+fn run(arguments: &[&str]) {
+    let done = Command::new(tests::program::lost_motion()).args(arguments).output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+}
+
+fn path(path: &Path) -> String {
+    path.to_str().unwrap().to_owned()
+}
+
+fn json(file: &str) -> Value {
+    serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap()
+}
+
 #[test]
 fn pages_are_read_at_every_width_by_keyboard_and_as_files() {
     let Some(browser) = chromium() else {
@@ -123,29 +173,76 @@ fn pages_are_read_at_every_width_by_keyboard_and_as_files() {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
-    let [of_demo, of_circle, of_budget, of_trace] =
-        ["demo", "circle", "budget", "trace"].map(|name| folder.path().join(name));
-    let run = |arguments: &[&str]| {
-        let done = Command::new(tests::program::lost_motion()).args(arguments).output().unwrap();
-        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-    };
+    let in_folder = |name: &str| path(&folder.path().join(name));
+    let page = |name: &str| folder.path().join(name).join("report.html");
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("host-sim");
-    let [log, json] = ["circle.csv", "circle.json"].map(|name| folder.path().join(name));
-    let text = |path: &Path| path.to_str().unwrap().to_owned();
-    let machine = text(&root.join("machines/demo.toml"));
-    run(&["demo", "--seed", "2", "--report", &text(&of_demo)]);
-    let motion = text(&root.join("motions/circle.toml"));
-    run(&["simulate", "--machine", &machine, "--motion", &motion, "--out", &text(&log)]);
-    run(&["circle", &text(&log), "--report", &text(&of_circle), "--json", &text(&json)]);
-    run(&["budget", "--model", &machine, "--report", &text(&of_budget)]);
+    let [machine, motion] = ["machines/demo.toml", "motions/circle.toml"].map(|name| path(&root.join(name)));
+    let [log, of_circle, of_budget] = ["circle.csv", "circle.json", "budget.json"].map(in_folder);
+    run(&["demo", "--seed", "2", "--report", &in_folder("demo")]);
+    run(&["simulate", "--machine", &machine, "--motion", &motion, "--out", &log]);
+    run(&["circle", &log, "--report", &in_folder("circle"), "--json", &of_circle]);
+    run(&["budget", "--model", &machine, "--report", &in_folder("budget"), "--json", &of_budget]);
     let limits = ["--limit", "G=8", "--limit", "corner=100", "--serial", "1", "--date", "2026-11-27"];
-    let (log, of_trace_folder) = (text(&log), text(&of_trace));
-    let trace = ["trace", "--machine", &machine, "--fit", &log, "--report", &of_trace_folder];
+    let of_trace = in_folder("trace");
+    let trace = ["trace", "--machine", &machine, "--fit", &log, "--report", &of_trace];
     run(&[&trace[..], &limits[..]].concat());
-    check(browser, &of_demo.join("report.html"), true);
-    let files = check(browser, &of_circle.join("report.html"), true);
-    check_circle(&files, &serde_json::from_str(&fs::read_to_string(json).unwrap()).unwrap());
-    check(browser, &of_budget.join("report.html"), false);
-    // The held-out end of the log is no full circle.
-    check(browser, &of_trace.join("report.html"), false);
+
+    let all = Has { circle: true, chart: true, choices: true };
+    check(browser, &page("demo"), all);
+    let circle = check(browser, &page("circle"), Has { circle: true, ..Has::default() });
+    check_circle(circle.csv("as-measured"), &json(&of_circle));
+    for seen in &circle.widths {
+        acted::check_circle_reading(seen["hover"].as_str().unwrap(), circle.csv("as-measured"));
+    }
+    for seen in &check(browser, &page("budget"), Has { chart: false, ..all }).widths {
+        acted::check_choices(seen, &json(&of_budget));
+    }
+    let traced = check(browser, &page("trace"), all);
+    printed::check(browser, &page("trace"), traced.widths[0]["sheet"].as_f64().unwrap());
+}
+
+/// The circle after a change is drawn once more, with a magnification and a slider of its own.
+#[test]
+fn the_page_of_verify_says_first_what_became_of_the_motion() {
+    let Some(browser) = chromium() else {
+        eprintln!("no Chromium: the page was not looked at");
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let in_folder = |name: &str| path(&folder.path().join(name));
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("host-sim");
+    let [machine, motion] = ["machines/demo.toml", "motions/circle.toml"].map(|name| path(&root.join(name)));
+    let [worse, before, after, to_json] =
+        ["worse.toml", "before.csv", "after.csv", "verify.json"].map(in_folder);
+    let backlash = "\n[[axis.x.effect]]\nname = 'backlash'\nwidth_um = 60.0\n";
+    fs::write(&worse, fs::read_to_string(&machine).unwrap() + backlash).unwrap();
+    run(&["simulate", "--machine", &worse, "--motion", &motion, "--out", &before]);
+    run(&["simulate", "--machine", &machine, "--motion", &motion, "--out", &after]);
+    let of_verify = in_folder("verify");
+    let logs = ["verify", "--machine", &machine, "--before", &before, "--after", &after, "--json", &to_json];
+    run(&[&logs[..], &["--report", &of_verify, "--limit", "rms=1000", "--limit", "G=0.001"]].concat());
+    let page = folder.path().join("verify/report.html");
+    let seen = check(browser, &page, Has { circle: true, ..Has::default() });
+    let json = &json(&to_json)["motions"][0];
+    let [from, to] = ["before", "after"]
+        .map(|side| files::format::significant(json["contour_error_um"][side]["rms"].as_f64().unwrap(), 3));
+    let html = fs::read_to_string(&page).unwrap();
+    let verdict = format!(
+        "class=\"verdict\">The contour error of before became smaller, from {from} to {to}\u{a0}µm rms, and G from "
+    );
+    assert!(html.contains(&verdict), "{verdict}");
+    assert!(html.contains("; beyond the limit: G; within the limit: rms.</p>"));
+    for cells in [
+        "<td>rms</td>",
+        "<td class=\"n\">1000</td><td class=\"result\">pass</td>",
+        "<td class=\"n\">0.00100</td><td class=\"result\">fail</td>",
+    ] {
+        assert!(html.contains(cells), "{cells}");
+    }
+    let pictures = seen.widths[2]["pictures"].as_u64().unwrap();
+    assert_eq!(
+        (pictures, html.matches("<svg viewBox=\"0 0 310 310\"").count()),
+        (3, 3),
+        "before, after, after alone"
+    );
 }

@@ -10,7 +10,7 @@ use pages::plot::{Chart, Ink, Layer};
 const WIDTH: f64 = 620.0;
 
 /// Space that a chart uses for labels next to and below its plane, pixels.
-const LABELS: (f64, f64) = (66.0, 36.0);
+const LABELS: (f64, f64) = (66.0, 40.0);
 
 /// Margin that a chart leaves above and below the data, fraction of the data's height each.
 const MARGIN: f64 = 0.06;
