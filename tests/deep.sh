@@ -184,7 +184,7 @@ fleet() {
   "$python" -c 'import distributed, pyarrow' 2>/dev/null ||
     "$work/fleet/bin/pip" install --quiet 'dask==2026.8.0' 'distributed==2026.8.0' 'pyarrow==26.0.1'
   cargo build --release --bin lost-motion
-  for part in refused kills cases; do
+  for part in refused foreign kills cases; do
     step "fleet $part"
     if [ "$part" = cases ] && [ ! -d "${LOST_MOTION_DATA:-}/cases" ]; then
       echo "SKIPPED: LOST_MOTION_DATA names no folder with cases" >&2

@@ -2,6 +2,7 @@
 """Tests of tools/fleet.py on a local cluster; `tests/deep.sh fleet` runs them.
 
     tests/fleet.py PROGRAM cases    the nine blind cases: what a plain loop gets (LOST_MOTION_DATA: folder with cases)
+    tests/fleet.py PROGRAM foreign  a log with other names, which are told after --
     tests/fleet.py PROGRAM kills    1,000 short traces while the worker of each twentieth is killed: none is lost
     tests/fleet.py PROGRAM refused  invalid arguments and logs
 """
@@ -150,6 +151,31 @@ def check_residuals(program, tasks, rows):
     assert len(different) == LOGS, len(different)
 
 
+def foreign(program):
+    """A log whose columns have other names gives the residuals of the plain one, if the names are told after --."""
+    with tempfile.TemporaryDirectory() as work:
+        folder = pathlib.Path(work) / "machine"
+        folder.mkdir()
+        (folder / "machine.toml").write_text((ROOT / "host-sim/machines/demo.toml").read_text())
+        motion, log = pathlib.Path(work) / "motion.toml", folder / "fit_a.csv"
+        motion.write_text(MOTION)
+        arguments = ["simulate", "--machine", folder / "machine.toml", "--motion", motion, "--out", log]
+        subprocess.run([program, *arguments], check=True, stdout=subprocess.DEVNULL)
+        [task] = fleet.tasks_of(work)
+        expected = plain(program, task)
+        header, rest = log.read_text().split("\n", 1)
+        names = header.split(",")
+        assert names[0] == "time_s", header
+        log.write_text(",".join(["time_s", *(f"column {number}" for number in range(1, len(names)))]) + "\n" + rest)
+        ran, [row] = fleet_of(program, work, "--workers", "1")
+        assert ran.returncode == 1 and row["exit_code"] == 2, row
+        maps = [word for number, name in enumerate(names) if number > 0 for word in ("--map", f"{name}=column {number}")]
+        ran, [row] = fleet_of(program, work, "--workers", "1", "--", *maps)
+        assert ran.returncode == 0, ran.stderr
+        assert json.loads(row["json"])["residual"] == expected["residual"], row
+    print("foreign: as by the plain log")
+
+
 def refused(program):
     with tempfile.TemporaryDirectory() as work:
         ran, rows = fleet_of(program, work)
@@ -172,6 +198,6 @@ def refused(program):
 
 if __name__ == "__main__":
     found = subprocess.run(["which", sys.argv[1]], capture_output=True, text=True).stdout.strip()
-    if len(sys.argv) != 3 or sys.argv[2] not in ("cases", "kills", "refused") or not found:
+    if len(sys.argv) != 3 or sys.argv[2] not in ("cases", "foreign", "kills", "refused") or not found:
         sys.exit(__doc__)
-    {"cases": cases, "kills": kills, "refused": refused}[sys.argv[2]](os.path.abspath(found))
+    {"cases": cases, "foreign": foreign, "kills": kills, "refused": refused}[sys.argv[2]](os.path.abspath(found))

@@ -42,17 +42,17 @@ MOST_DEATHS = 10
 AHEAD = 4
 
 
-def tasks_of(folder):
-    """The tasks of a folder: each a dict of its name, its machine file, logs to fit and logs to validate; sorted by name."""
+def tasks_of(folder, more=()):
+    """The tasks of a folder: each a dict of its name, its machine file, logs to fit, logs to validate and more arguments; sorted by name."""
     tasks = []
     for machine in sorted(pathlib.Path(folder).resolve().rglob("machine.toml")):
         logs = sorted(str(path) for path in machine.parent.iterdir() if path.name.endswith(LOGS))
         named = lambda prefix: [log for log in logs if os.path.basename(log).startswith(prefix)]
         name = machine.parent.name
         if named("fit_"):
-            tasks.append({"task": name, "machine": str(machine), "fit": named("fit_"), "validate": named("validate_")})
+            tasks.append({"task": name, "machine": str(machine), "fit": named("fit_"), "validate": named("validate_"), "more": more})
         else:
-            one = lambda log: {"task": f"{name}/{os.path.basename(log)}", "machine": str(machine), "fit": [log], "validate": []}
+            one = lambda log: {"task": f"{name}/{os.path.basename(log)}", "machine": str(machine), "fit": [log], "validate": [], "more": more}
             tasks.extend(one(log) for log in logs)
     return tasks
 
@@ -61,7 +61,7 @@ def arguments_of(task):
     """The arguments of `lost-motion trace` but for `--json`."""
     fit = [word for log in task["fit"] for word in ("--fit", log)]
     validate = [word for log in task["validate"] for word in ("--validate", log)]
-    return ["trace", "--machine", task["machine"], *fit, *validate]
+    return ["trace", "--machine", task["machine"], *fit, *validate, *task["more"]]
 
 
 def trace(task, program):
@@ -152,14 +152,19 @@ def refuse(message):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(
+        description=__doc__.splitlines()[0],
+        epilog="What stands after -- goes to each trace: arguments of lost-motion trace, such as --map or --rate.",
+    )
     parser.add_argument("folder", help="folder of machines, each a folder with machine.toml and logs")
     parser.add_argument("--out", required=True, help="Parquet file to write: one row a task")
     parser.add_argument("--workers", type=int, default=os.cpu_count(), help="workers on this computer (default: its cores)")
     parser.add_argument("--scheduler", help="address of a running Dask scheduler, in place of --workers")
     parser.add_argument("--program", default="lost-motion", help="the program, as each worker finds it")
-    arguments = parser.parse_args()
-    tasks = tasks_of(arguments.folder)
+    words = sys.argv[1:]
+    end = words.index("--") if "--" in words else len(words)
+    arguments = parser.parse_args(words[:end])
+    tasks = tasks_of(arguments.folder, words[end + 1 :])
     if not tasks:
         refuse(f"{arguments.folder}: expected folders with machine.toml and logs, found none")
     if not os.path.isdir(os.path.dirname(os.path.abspath(arguments.out))):

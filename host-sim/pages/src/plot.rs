@@ -20,9 +20,6 @@ const FEW: u32 = 6;
 /// Steps of the vertical axis.
 const ROWS: u32 = 6;
 
-/// From this height on, in parts of the width, a chart keeps its proportions: it is a plan.
-const PLAN: f64 = 0.55;
-
 /// The meaning of a line or surface; the stylesheet has a class for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
@@ -104,14 +101,23 @@ pub struct Chart<'a> {
 }
 
 impl Chart<'_> {
-    /// The chart as an SVG element.
+    /// The chart as an SVG element, as wide as its figure.
     #[must_use]
     pub fn svg(&self) -> String {
+        self.drawn(false)
+    }
+
+    /// The chart as a plan: an SVG element that keeps the proportions of its size at every width.
+    #[must_use]
+    pub fn plan_svg(&self) -> String {
+        self.drawn(true)
+    }
+
+    fn drawn(&self, is_plan: bool) -> String {
         let (width, height) = self.size;
         let curves: Vec<Curve<'_>> =
             self.layers.iter().map(|layer| (layer.ink.class(), &layer.points[..])).collect();
         let decimals = Decimals::of(&curves);
-        let is_plan = f64::from(height) >= PLAN * f64::from(width);
         let ((left, right), (low, high)) = self.range();
         let columns = ticks::within([left, right], (width / LABEL_WIDTH).max(3), FEW);
         let rows = ticks::within([low, high], ROWS, ROWS);
@@ -285,10 +291,10 @@ mod tests {
     }
 
     #[test]
-    fn a_chart_higher_than_half_its_width_is_a_plan() {
-        let chart =
-            |size| Chart { size, title: "", description: "", x: "", y: "", noise: None, layers: Vec::new() };
-        assert!(chart((620, 350)).svg().starts_with("<svg class=\"chart plan\""));
-        assert!(chart((354, 190)).svg().starts_with("<svg class=\"chart\""));
+    fn a_plan_keeps_its_proportions() {
+        let size = (620, 350);
+        let chart = Chart { size, title: "", description: "", x: "", y: "", noise: None, layers: Vec::new() };
+        assert!(chart.plan_svg().starts_with("<svg class=\"chart plan\" style=\"--width:620;--height:350\""));
+        assert!(chart.svg().starts_with("<svg class=\"chart\""));
     }
 }

@@ -156,7 +156,7 @@ fn contours(title: &str, half_um: f64, tracks: &[(Ink, &Track)]) -> String {
         noise: Some(0.0),
         layers,
     }
-    .svg()
+    .plan_svg()
 }
 
 /// Points of a track within ±`half_um` of the corner in X and Y, µm.
