@@ -22,7 +22,7 @@ pub(super) struct Decimals {
 }
 
 impl Decimals {
-    /// Those that curves need.
+    /// Decimals that these curves need.
     pub fn of(curves: &[Curve<'_>]) -> Self {
         let points = || curves.iter().flat_map(|(_, points)| points.iter());
         let [left, right] = numerics::min_max(points().map(|point| point.0));

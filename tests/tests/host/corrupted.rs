@@ -106,7 +106,7 @@ fn verdict_of(declared: &Machine, logs: [Log; 2]) -> (Verdict, bool) {
     let says_not_described =
         sentences.iter().any(|sentence| starts.iter().any(|start| sentence.starts_with(start)));
     assert_eq!(says_not_described, verdict == Verdict::ModelDoesNotFit, "{sentences:?}");
-    (verdict, sentences.iter().any(|sentence| sentence.contains("no effect found")))
+    (verdict, sentences.iter().any(|sentence| sentence.contains("no undeclared effect found")))
 }
 
 /// A reading of the scale that wanders by up to 0.3 mm, which no effect and no data fault describes.
