@@ -13,18 +13,16 @@ use ::circle::measured::Measured;
 use ::circle::radius_table::Nominal;
 use ::circle::{Analysis, analyse, json, text};
 use ::import::any_log::{self, Content};
-use budget::limits::{Circular, Judgement, Limit, of_circle};
+use budget::limits::{Circular, Judgement, Limit, Limited, of_circle};
 use files::error::{InputError, quoted};
 use files::head::Head;
 use files::table::Table;
-use serde::Serialize;
-use serde_json::Value;
 
 /// Channels of the tool: that of a log, and the radius of a ballbar.
 const AT_TOOL: [&str; 2] = ["tool", "radius"];
 
-/// A direction is a full circle from this angle on: the first and the last sample need not meet.
-const FULL_DEG: f64 = 359.0;
+/// A direction is a full circle from this angle on: the ramps at the start and the end of a turn are not evaluated.
+const FULL_DEG: f64 = 345.0;
 
 /// Arguments of `circle`.
 #[derive(clap::Args)]
@@ -54,14 +52,6 @@ pub struct Arguments {
     reading: ReadingArguments,
 }
 
-/// The JSON with the limits that were asked for.
-#[derive(Serialize)]
-struct Document {
-    #[serde(flatten)]
-    circle: Value,
-    limits: Vec<Judgement>,
-}
-
 /// Runs the command.
 ///
 /// # Errors
@@ -77,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let analysis = analyse(measured)?;
     drop(progress);
     let limits = judged(&analysis, arguments.limits.all());
-    let document = Document { circle: json::of(&analysis), limits };
+    let document = Limited { result: json::of(&analysis), limits };
     write_json(arguments.json.as_ref(), &document)?;
     let limits = document.limits;
     let mut output = text::of(&analysis) + &limits::text(&limits);

@@ -1,5 +1,6 @@
 //! The parts of a circle, as `lost-motion circle`.
 
+use budget::limits::Limited;
 use circle::measured::Measured;
 use circle::radius_table::Nominal;
 use circle::{analyse, json as circle_json, text};
@@ -22,7 +23,7 @@ pub fn of_files(request: &Circle, files: &[DroppedFile<'_>]) -> Result<Value, St
     }
     let analysis = measured(request, files).and_then(analyse).map_err(|error| error.to_string())?;
     Ok(json!({
-        "json": circle_json::of(&analysis),
+        "json": Limited { result: circle_json::of(&analysis), limits: Vec::new() },
         "page": circle_page::html(&analysis, &[]),
         "summary": text::of(&analysis),
     }))

@@ -6,6 +6,7 @@
 mod judge;
 mod judgement;
 mod limit;
+mod limited;
 
 #[cfg(test)]
 mod tests;
@@ -13,3 +14,4 @@ mod tests;
 pub use judge::{Circular, Judged, Trust, judged, of_circle};
 pub use judgement::{Basis, Judgement, Outcome, summary};
 pub use limit::{Figure, Limit};
+pub use limited::Limited;
