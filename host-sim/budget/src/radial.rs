@@ -31,7 +31,7 @@ impl RadialDeviation {
     /// The largest full circle of a contour error; `None` without one.
     #[must_use]
     pub fn of(error: &ContourError, axes: &[String]) -> Option<Self> {
-        let circle = error.circles.iter().max_by(|a, b| a.radius.total_cmp(&b.radius))?;
+        let circle = error.largest_circle()?;
         let name = |axis: usize| axes.get(axis).cloned().unwrap_or_default();
         Some(Self { axes: circle.plane.map(name), radius_m: circle.radius, laps: laps(circle) })
     }

@@ -62,8 +62,9 @@ impl Document {
 
     /// The document with its circumstances.
     #[must_use]
-    pub fn under(self, circumstances: Option<Circumstances>) -> Self {
-        Self { circumstances, ..self }
+    pub fn under(self, circumstances: Circumstances) -> Self {
+        let is_given = circumstances != Circumstances::default();
+        Self { circumstances: is_given.then_some(circumstances), ..self }
     }
 
     /// The document as a JSON value.

@@ -14,6 +14,9 @@ use contour::sectors::{SECTORS, Sectors, middle_rad};
 
 use super::samples::Samples;
 
+/// A direction is a full circle from this angle on: the ramps at the start and the end of a turn are not evaluated.
+const FULL_DEG: f64 = 345.0;
+
 /// One direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Direction {
@@ -73,6 +76,13 @@ impl Figures {
     #[must_use]
     pub fn circular_um(&self) -> f64 {
         numerics::max(self.directions.iter().map(|direction| direction.circular_um))
+    }
+
+    /// The larger circular deviation G of the directions that are full circles, µm; `None` without one.
+    #[must_use]
+    pub fn full_circular_um(&self) -> Option<f64> {
+        let full = self.directions.iter().filter(|direction| direction.covered_deg >= FULL_DEG);
+        full.map(|direction| direction.circular_um).reduce(f64::max)
     }
 
     /// Smallest and largest radial deviation F of the directions, µm.

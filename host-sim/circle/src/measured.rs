@@ -19,6 +19,9 @@ const START_RAD: f64 = 1e-3;
 const FAULT_DEVIATIONS: f64 = 20.0;
 const FAULT_UM: f64 = 20.0;
 
+/// Channels of the tool: that of a log, and the radius of a ballbar.
+const AT_TOOL: [&str; 2] = ["tool", "radius"];
+
 /// A measured circle with what is known of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
@@ -41,6 +44,12 @@ pub struct Measured {
 }
 
 impl Measured {
+    /// Whether it was measured at the tool.
+    #[must_use]
+    pub fn is_at_tool(&self) -> bool {
+        AT_TOOL.contains(&self.channel)
+    }
+
     /// The samples that are not at a reversal, and whose last reversals were on the same arc or are further behind than a spike. What
     /// happened before the start of an arc is not known.
     #[must_use]

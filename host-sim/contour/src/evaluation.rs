@@ -77,7 +77,9 @@ impl ContourError {
         spikes_um.max_by(|a, b| a.abs().total_cmp(&b.abs()))
     }
 
-    fn largest_circle(&self) -> Option<&CircleDeviation> {
+    /// The largest full circle.
+    #[must_use]
+    pub fn largest_circle(&self) -> Option<&CircleDeviation> {
         self.circles.iter().max_by(|a, b| a.radius.total_cmp(&b.radius))
     }
 

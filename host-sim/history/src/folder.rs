@@ -7,12 +7,15 @@ use files::error::InputError;
 use jiff::civil::Date;
 
 use crate::record::Record;
+use crate::{model_file, trace_json};
 
 /// The traces of one machine, earliest first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Folder {
     /// The traces, at least one.
     pub records: Vec<Record>,
+    /// All files of the folder that are results or models, also those that were left out: none may be overwritten.
+    pub files: Vec<PathBuf>,
     /// What was left out, a sentence each.
     pub notes: Vec<String>,
 }
@@ -37,9 +40,9 @@ pub fn read(folder: &Path) -> Result<Folder, InputError> {
         let text = fs::read_to_string(path).map_err(|error| InputError::unreadable(&source, &error))?;
         let day = date_in(path.strip_prefix(folder).unwrap_or(path));
         let record = if is_model {
-            Record::of_model(&text, &source, day)?
+            model_file::read(&text, &source, day)?
         } else {
-            Record::of_json(&text, &source, day)?
+            trace_json::read(&text, &source, day)?
         };
         match record {
             Some(record) => records.push(record),
@@ -56,7 +59,7 @@ pub fn read(folder: &Path) -> Result<Folder, InputError> {
     if others > 0 {
         notes.push(format!("{others} other files (.json, .toml) are no traces and were left out."));
     }
-    Ok(Folder { records, notes })
+    Ok(Folder { records, files: paths, notes })
 }
 
 fn has_extension(path: &Path, extension: &str) -> bool {

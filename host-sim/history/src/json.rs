@@ -137,9 +137,7 @@ fn of_series(history: &History, series: &Series) -> OfSeries {
         is_counted: entry.is_counted,
     };
     let change = |alarm: &Alarm| {
-        let day = |index: usize| {
-            series.counted(index).map_or(history.records[0].day, |entry| history.records[entry.record].day)
-        };
+        let day = |index: usize| history.day(series, index);
         let change = alarm.change;
         Change {
             shape: change.shape.word(),

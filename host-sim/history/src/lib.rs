@@ -1,7 +1,7 @@
 //! A machine over months: its traces, each parameter over time with its interval, what changed since when, what that costs at the tool,
 //! and when a limit will be reached.
 //!
-//! [`folder`] reads the traces, each a [`record`]. A [`series`] has the figures of one name; [`monitor`] watches it by a
+//! [`folder`] reads the traces, each a [`record`] from its JSON ([`trace_json`]) or its model ([`model_file`]). A [`series`] has the figures of one name; [`monitor`] watches it by a
 //! [`control_chart`] of [`scores`], which need neither mean nor scatter beforehand, and [`change`] dates and sizes what was
 //! announced. [`forecast`] extends the trend to a limit, [`appearance`] tells which effects came or went. [`text`],
 //! [`page`], [`json`] and [`table`] show the result.
@@ -13,6 +13,7 @@ pub mod folder;
 pub mod forecast;
 pub mod json;
 pub mod least_squares;
+pub mod model_file;
 pub mod monitor;
 pub mod page;
 pub mod record;
@@ -20,9 +21,11 @@ pub mod scores;
 pub mod series;
 pub mod table;
 pub mod text;
+pub mod trace_json;
 
 use files::error::{InputError, quoted};
 use indexmap::IndexMap;
+use jiff::civil::Date;
 use numerics::mean_and_deviation;
 
 use appearance::Appearance;
@@ -60,7 +63,7 @@ impl History {
     /// # Errors
     /// A limit of a series that does not exist.
     pub fn of(folder: Folder, limits: Vec<Limit>) -> Result<Self, InputError> {
-        let Folder { records, mut notes } = folder;
+        let Folder { records, mut notes, .. } = folder;
         let days: Vec<f64> =
             records.iter().map(|record| f64::from((record.day - records[0].day).get_days())).collect();
         let mut figures: IndexMap<Name, Vec<(usize, Figure)>> = IndexMap::new();
@@ -85,6 +88,12 @@ impl History {
     /// Series whose change is announced.
     pub fn changed(&self) -> impl Iterator<Item = &Series> {
         self.series.iter().filter(|series| series.has_changed())
+    }
+
+    /// The day of a counted figure of a series, by its index; that of the first trace if there is no such figure.
+    #[must_use]
+    pub fn day(&self, series: &Series, index: usize) -> Date {
+        self.records[series.counted(index).map_or(0, |entry| entry.record)].day
     }
 
     /// Series that the last trace raised an alarm of.

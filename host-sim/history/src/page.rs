@@ -12,7 +12,6 @@ use pages::markup::{
 use pages::plot::{Chart, Ink, Layer};
 
 use crate::History;
-use crate::record::Group;
 use crate::series::Series;
 use crate::text::{HEADINGS, MONTH_DAYS, cells, lead, name, of_limit, promise, sentences};
 
@@ -29,11 +28,9 @@ pub fn write(folder: &Path, history: &History) -> Result<PathBuf, OutputError> {
 pub fn html(history: &History) -> String {
     let limits: Vec<String> = history.limits.iter().map(of_limit).collect();
     let notes: Vec<String> = history.notes.iter().cloned().chain([promise(history)]).collect();
-    let of_group = |is_tool: bool| {
-        history.series.iter().filter(move |series| (series.name.group == Group::Tool) == is_tool)
-    };
-    let others: Vec<&Series> = of_group(false).filter(|series| !series.has_changed()).collect();
-    let tool: Vec<&Series> = of_group(true).collect();
+    let (watched, tool): (Vec<&Series>, Vec<&Series>) =
+        history.series.iter().partition(|series| series.is_watched());
+    let others: Vec<&Series> = watched.into_iter().filter(|series| !series.has_changed()).collect();
     let sections = html! {
         @if !limits.is_empty() { (section("Limits", &list(&limits))) }
         @if history.changed().next().is_some() {
@@ -90,8 +87,7 @@ fn pictures(history: &History, all: &[&Series]) -> Markup {
 fn picture(history: &History, series: &Series) -> Markup {
     let months = |record: usize| history.days[record] / MONTH_DAYS;
     let mut layers = Vec::new();
-    let since = series.alarms.last().map_or(0, |alarm| alarm.change.first);
-    if let (Some(trend), Some(first)) = (&series.trend, series.counted(since)) {
+    if let (Some(trend), Some(first)) = (&series.trend, series.counted(series.since())) {
         let steps = (0..=20).map(|step| {
             let start = history.days[first.record];
             start + (trend.last_days - start) * f64::from(step) / 20.0

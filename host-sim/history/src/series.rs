@@ -71,10 +71,8 @@ impl Series {
         chart: Chart,
     ) -> Self {
         let entries = counted(figures);
-        let records: Vec<usize> =
-            entries.iter().filter(|entry| entry.is_counted).map(|entry| entry.record).collect();
-        let values: Vec<f64> =
-            entries.iter().filter(|entry| entry.is_counted).map(|entry| entry.figure.value).collect();
+        let (records, values): (Vec<usize>, Vec<f64>) =
+            of_counted(&entries).map(|entry| (entry.record, entry.figure.value)).unzip();
         let days: Vec<f64> = records.iter().map(|record| conditions.days[*record]).collect();
         let own = |record: &usize| conditions.kelvin.map(|kelvin| kelvin[*record]);
         let with = |mut row: Vec<f64>, record: &usize| {
@@ -83,7 +81,7 @@ impl Series {
         };
         let rows: Vec<Vec<f64>> = records.iter().map(|record| with(vec![1.0], record)).collect();
         let alarms = alarms(&rows, &values, &days, chart);
-        let since = alarms.last().map_or(0, |alarm| alarm.change.first);
+        let since = since(&alarms);
         let until = alarms.first().map_or(values.len(), |alarm| alarm.change.first);
         let trend = (values.len() >= since + MIN_FOR_TREND).then(|| {
             let rows: Vec<Vec<f64>> =
@@ -114,20 +112,28 @@ impl Series {
     /// The entry that a counted index means.
     #[must_use]
     pub fn counted(&self, index: usize) -> Option<&Entry> {
-        self.entries.iter().filter(|entry| entry.is_counted).nth(index)
+        of_counted(&self.entries).nth(index)
     }
 
     /// Number of figures that are counted.
     #[must_use]
     pub fn count(&self) -> usize {
-        self.entries.iter().filter(|entry| entry.is_counted).count()
+        of_counted(&self.entries).count()
     }
 
-    /// Whether a trend is shown: zero is not within its interval.
+    /// Index of the first counted figure since the last change.
     #[must_use]
-    pub fn has_trend(&self) -> bool {
-        shown(self.trend.as_ref()).is_some()
+    pub fn since(&self) -> usize {
+        since(&self.alarms)
     }
+}
+
+fn since(alarms: &[Alarm]) -> usize {
+    alarms.last().map_or(0, |alarm| alarm.change.first)
+}
+
+fn of_counted(entries: &[Entry]) -> impl Iterator<Item = &Entry> {
+    entries.iter().filter(|entry| entry.is_counted)
 }
 
 /// The last value of a trend that is shown.

@@ -1,7 +1,6 @@
 //! The history for a terminal: what changed in a sentence each, then a table of all that is watched.
 
 use files::format::{significant, with_spread};
-use jiff::civil::Date;
 
 use crate::History;
 use crate::appearance::{Appearance, Turn};
@@ -10,6 +9,9 @@ use crate::control_chart::TRACES_TO_FALSE_ALARM;
 use crate::forecast::{Limit, Reached, Side};
 use crate::monitor::Alarm;
 use crate::series::{Estimate, Series};
+
+/// Values of which a change can be told: before them, no value has a score where the temperature is known.
+const MIN_TO_TELL: usize = 6;
 
 /// Days of a month, for rates.
 pub const MONTH_DAYS: f64 = 30.4375;
@@ -40,7 +42,7 @@ pub fn lead(history: &History) -> String {
     let traces = if history.records.len() == 1 { "trace" } else { "traces" };
     let changed = history.changed().count();
     let result = match (changed, history.series.iter().map(Series::count).max().unwrap_or(0)) {
-        (0, count) if count < 6 => "too few to tell a change from scatter".to_owned(),
+        (0, count) if count < MIN_TO_TELL => "too few to tell a change from scatter".to_owned(),
         (0, _) => "nothing that is watched changed beyond its scatter".to_owned(),
         (1, _) => "one value changed".to_owned(),
         (changed, _) => format!("{changed} values changed"),
@@ -91,7 +93,7 @@ fn of_changes(history: &History, series: &Series) -> Vec<String> {
 /// Alarms of changes in one direction, earliest first.
 fn of_direction(history: &History, series: &Series, alarms: &[Alarm]) -> String {
     let (Some(first), Some(last)) = (alarms.first(), alarms.last()) else { return String::new() };
-    let day = |index: usize| day(history, series, index);
+    let day = |index: usize| history.day(series, index);
     let direction = if first.change.size > 0.0 { "rose" } else { "fell" };
     let form = match last.change.shape {
         Shape::Step => "in a step",
@@ -171,7 +173,6 @@ pub fn cells(series: &Series) -> [String; 5] {
     };
     let state = if series.has_changed() { " (changed)" } else { "" };
     let first = if series.alarms.is_empty() { String::new() } else { shown(series.first) };
-
     [format!("{}{state}", series.name), count, first, shown(series.now), rate]
 }
 
@@ -188,9 +189,4 @@ pub fn estimate(estimate: Estimate) -> String {
     } else {
         significant(estimate.value, 4)
     }
-}
-
-/// The day of a counted value.
-fn day(history: &History, series: &Series, index: usize) -> Date {
-    series.counted(index).map_or(history.records[0].day, |entry| history.records[entry.record].day)
 }

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use maud::{Markup, html};
 
 use super::data;
-use super::markup::{Attributes, svg, text};
+use super::markup::{Attributes, legend, line_entry, svg, text};
 use files::format::signed;
 
 /// The attribute with the µm of a division, by which the script of the page knows a circle.
@@ -31,6 +31,19 @@ pub fn division_for(max_um: f64) -> f64 {
 #[must_use]
 pub fn magnification(division_um: f64, radius_m: f64) -> f64 {
     DIVISION / division_um * 1e6 * radius_m / BASE
+}
+
+/// Class of the line of a direction in the stylesheet.
+#[must_use]
+pub const fn class(is_clockwise: bool) -> &'static str {
+    if is_clockwise { "cw" } else { "ccw" }
+}
+
+/// The legend of both directions.
+#[must_use]
+pub fn directions() -> Markup {
+    let entry = |is_clockwise, meaning| line_entry(class(is_clockwise), meaning);
+    legend(&[entry(true, "clockwise"), entry(false, "counter-clockwise")])
 }
 
 /// The SVG element: lines, each with a class of the stylesheet, through points of angle (rad) and deviation (µm).

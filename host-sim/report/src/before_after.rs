@@ -7,8 +7,8 @@ use contour::ContourError;
 use contour::circle::CircleDeviation;
 use contour::comparison::{Comparison, QUANTITIES};
 use files::format::{signed, significant};
-use pages::markup::{Column, figure, legend, line_entry, note, number_cell, paragraph, table, text};
-use pages::polar::{division_for, drawing, magnification};
+use pages::markup::{Column, figure, note, number_cell, paragraph, table, text};
+use pages::polar::{class, directions, division_for, drawing, magnification};
 
 /// A motion before, as predicted, and after.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,16 +112,13 @@ pub(crate) enum Last {
 
 /// The largest circle of each contour error, beside each other on one scale; empty if one has no circle.
 pub(crate) fn on_one_scale(errors: &[(&str, &ContourError)], axes: &[String], last: Last) -> Markup {
-    let largest = |error: &ContourError| -> Option<CircleDeviation> {
-        error.circles.iter().max_by(|a, b| a.radius.total_cmp(&b.radius)).cloned()
-    };
-    let circles: Option<Vec<(&str, CircleDeviation)>> =
-        errors.iter().map(|(title, error)| Some((*title, largest(error)?))).collect();
+    let circles: Option<Vec<(&str, &CircleDeviation)>> =
+        errors.iter().map(|(title, error)| Some((*title, error.largest_circle()?))).collect();
     let Some(circles) = circles.filter(|circles| !circles.is_empty()) else { return Markup::default() };
-    let division_um = division(circles.iter().map(|(_, circle)| circle));
+    let division_um = division(circles.iter().map(|(_, circle)| *circle));
     let alone = circles.last().filter(|_| last == Last::AndAlone).map(|(title, circle)| {
         let title = format!("{title}, as large as it can be");
-        picture(&title, circle, division([circle].into_iter()), axes)
+        picture(&title, circle, division([*circle].into_iter()), axes)
     });
     html! {
         (note(&format!(
@@ -132,7 +129,7 @@ pub(crate) fn on_one_scale(errors: &[(&str, &ContourError)], axes: &[String], la
             @for (title, circle) in &circles { (picture(title, circle, division_um, axes)) }
             @if let Some(alone) = &alone { (alone) }
         }
-        (legend(&[line_entry("cw", "clockwise"), line_entry("ccw", "counter-clockwise")]))
+        (directions())
     }
 }
 
@@ -152,7 +149,6 @@ fn picture(title: &str, circle: &CircleDeviation, division_um: f64, axes: &[Stri
         significant(division_um, 1),
         significant(magnification(division_um, circle.radius), 2),
     );
-    let class = |is_clockwise: bool| if is_clockwise { "cw" } else { "ccw" };
     let lines: Vec<(&str, &[(f64, f64)])> =
         circle.laps.iter().map(|lap| (class(lap.is_clockwise), &lap.points[..])).collect();
     let names = circle.plane.map(|axis| axes.get(axis).map_or("", String::as_str));

@@ -2,12 +2,12 @@
 
 use maud::{Markup, html};
 
-use budget::radial::{RadialDeviation, RadialLap};
+use budget::radial::RadialDeviation;
 use budget::{CauseShare, MotionBudget};
 use files::format::significant;
 use pages::choice::{choice, one_of};
-use pages::markup::{figure, legend, line_entry, note};
-use pages::polar::{division_for, drawing, figures, magnification};
+use pages::markup::{figure, note};
+use pages::polar::{class, directions, division_for, drawing, figures, magnification};
 
 /// The picture and its choices; empty if the motion is no circle.
 #[must_use]
@@ -23,7 +23,7 @@ pub fn of_motion(motion: &MotionBudget) -> Markup {
                 (one_of("Without one cause", "all causes", &with_all(motion), &choices))
             }
         }
-        (legend(&[line_entry("cw", "clockwise"), line_entry("ccw", "counter-clockwise")]))
+        (directions())
     }
 }
 
@@ -64,6 +64,5 @@ fn with_all(motion: &MotionBudget) -> String {
 }
 
 fn lines(circle: &RadialDeviation) -> Vec<(&'static str, &[(f64, f64)])> {
-    let class = |lap: &RadialLap| if lap.is_clockwise { "cw" } else { "ccw" };
-    circle.laps.iter().map(|lap| (class(lap), &lap.points[..])).collect()
+    circle.laps.iter().map(|lap| (class(lap.is_clockwise), &lap.points[..])).collect()
 }

@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use budget::limits::{Judgement, summary};
+use budget::traced;
 use budget::{Budget, MotionBudget};
 use files::format::significant;
 use model::effects::Stage;
@@ -17,14 +18,8 @@ use trace::{AxisIdentification, Identification};
 /// What is told of a trace besides its result. What is not given does not stand on the page.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Circumstances {
-    /// Serial number of the machine.
-    pub serial: Option<String>,
-    /// Who traced it.
-    pub operator: Option<String>,
-    /// The date.
-    pub date: Option<String>,
-    /// Temperature of the machine while it was logged, °C.
-    pub temperature_c: Option<f64>,
+    /// When and where it was traced, as the JSON has it.
+    pub traced: traced::Circumstances,
     /// How the program was called.
     pub command_line: Option<String>,
 }
@@ -143,10 +138,10 @@ pub fn circumstances(trace: &Identification, told: &Circumstances) -> Markup {
         if fit == validate { "the last part of each log, which is not fitted".to_owned() } else { validate };
     let facts = [
         ("machine", Some(trace.machine().name.clone())),
-        ("serial number", told.serial.clone()),
-        ("operator", told.operator.clone()),
-        ("date", told.date.clone()),
-        ("temperature", told.temperature_c.map(|celsius| format!("{celsius} °C"))),
+        ("serial number", told.traced.serial.clone()),
+        ("operator", told.traced.operator.clone()),
+        ("date", told.traced.date.clone()),
+        ("temperature", told.traced.temperature_c.map(|celsius| format!("{celsius} °C"))),
         ("logs fitted", Some(fit)),
         ("logs held out", Some(held_out)),
         ("program", Some(format!("lost-motion {}", env!("CARGO_PKG_VERSION")))),

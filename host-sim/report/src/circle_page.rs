@@ -13,10 +13,8 @@ use circle::text::{cells, figures, sentence, title};
 use files::format::{signed, significant};
 use files::output::OutputError;
 use pages::file_name;
-use pages::markup::{
-    Column, figure, legend, line_entry, list, note, number_cell, paragraph, section, table, text,
-};
-use pages::polar::{division_for, drawing, magnification};
+use pages::markup::{Column, figure, list, note, number_cell, paragraph, section, table, text};
+use pages::polar::{class, directions, division_for, drawing, magnification};
 
 /// Writes the page into a folder, which is created if it does not exist, and returns its path.
 ///
@@ -53,14 +51,6 @@ fn measured(analysis: &Analysis) -> Markup {
         (directions())
         @if !analysis.measured.notes.is_empty() { (list(&analysis.measured.notes)) }
     }
-}
-
-fn directions() -> Markup {
-    legend(&[line_entry("cw", "clockwise"), line_entry("ccw", "counter-clockwise")])
-}
-
-fn class(is_clockwise: bool) -> &'static str {
-    if is_clockwise { "cw" } else { "ccw" }
 }
 
 /// One polar picture with its caption.

@@ -7,8 +7,8 @@ use super::radial_deviation::{Lap, Run, largest_circle};
 use files::format::{signed, significant};
 use files::log::Unit;
 use pages::file_name;
-use pages::markup::{figure, legend, line_entry, note};
-use pages::polar::{division_for, drawing, magnification};
+use pages::markup::{figure, note};
+use pages::polar::{class, directions, division_for, drawing, magnification};
 use trace::Identification;
 
 /// The section's body; empty if no log contains a circle of two linear axes with the required channels.
@@ -34,7 +34,7 @@ pub fn body(trace: &Identification, views: &[AxisView<'_>]) -> Markup {
                 (picture(&run, "Unexplained after", after, same))
             }
         }
-        (legend(&[line_entry("cw", "clockwise"), line_entry("ccw", "counter-clockwise")]))
+        (directions())
     }
 }
 
@@ -73,8 +73,8 @@ fn picture(run: &Run<'_>, title: &str, laps: &[Lap], division_um: f64) -> Markup
         significant(division_um, 1),
         significant(magnification, 2),
     );
-    let class = |lap: &Lap| if lap.is_clockwise { "cw" } else { "ccw" };
-    let lines: Vec<(&str, &[(f64, f64)])> = laps.iter().map(|lap| (class(lap), &lap.points[..])).collect();
+    let lines: Vec<(&str, &[(f64, f64)])> =
+        laps.iter().map(|lap| (class(lap.is_clockwise), &lap.points[..])).collect();
     let title = format!("{title}: radial deviation over the angle");
     let axes = run.axes.map(|axis| axis.trace.axis.as_str());
     figure("", &drawing(&title, &caption, &lines, division_um, axes), &caption)

@@ -3,6 +3,7 @@ use std::fs;
 use super::certificate::Circumstances;
 use super::sentences;
 use super::trace_page::{Extra, html, write};
+use budget::traced;
 use files::log::{AxisLog, Log, Unit};
 use model::machine::Machine;
 use pages::markup::text;
@@ -125,11 +126,13 @@ fn the_page_has_all_sections_with_their_results() {
 fn the_page_names_what_it_was_told_and_nothing_else() {
     let trace = traced();
     let told = Circumstances {
-        serial: Some("SN <7>".to_owned()),
-        operator: Some("A. Smith".to_owned()),
-        date: Some("2026-11-27".to_owned()),
+        traced: traced::Circumstances {
+            serial: Some("SN <7>".to_owned()),
+            operator: Some("A. Smith".to_owned()),
+            date: Some("2026-11-27".to_owned()),
+            temperature_c: Some(21.5),
+        },
         command_line: Some("lost-motion trace --fit fit.csv".to_owned()),
-        temperature_c: Some(21.5),
     };
     let page = html(&trace, &Extra { circumstances: told, ..extra("name = 'backlash'\nwidth_um = 4") });
     let row = |name: &str, value: &str| format!("<th scope=\"row\">{name}</th><td>{value}</td>");
@@ -153,7 +156,7 @@ fn the_page_names_what_it_was_told_and_nothing_else() {
 fn limits_stand_on_the_page_with_their_result_and_in_the_verdict() {
     let trace = traced();
     // Nothing was measured at the tool, and there is no budget.
-    let limits = budget::traced::limits(&trace, &[], None, &["G=8".parse().unwrap()]);
+    let limits = traced::limits(&trace, &[], None, &["G=8".parse().unwrap()]);
     let page = html(&trace, &Extra { limits, ..extra("name = 'backlash'\nwidth_um = 4") });
     assert!(page.contains("<td class=\"result\">unknown</td>"), "{page}");
     assert!(page.contains("not known whether within the limit: G.</p>"), "{page}");

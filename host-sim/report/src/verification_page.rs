@@ -7,7 +7,7 @@ use maud::{Markup, html};
 
 use super::before_after::{self, Last, on_one_scale};
 use super::certificate;
-use budget::limits::{Judged, Judgement, Limit, Trust, judged};
+use budget::limits::{Judgement, Limit, judged_by_logs};
 use contour::comparison::Comparison;
 use contour::verification::{Change, VerifiedMotion};
 use files::format::significant;
@@ -74,15 +74,19 @@ fn of_motion(motion: &VerifiedMotion) -> Vec<String> {
     [error].into_iter().chain(prediction).collect()
 }
 
+/// How many motions changed in a way.
+fn count(motions: &[VerifiedMotion], change: Change) -> usize {
+    motions.iter().filter(|motion| motion.change() == change).count()
+}
+
 fn of_motions(motions: &[VerifiedMotion]) -> Vec<String> {
-    let count = |change: Change| motions.iter().filter(|motion| motion.change() == change).count();
-    let worse = match count(Change::Worse) {
+    let worse = match count(motions, Change::Worse) {
         0 => String::new(),
         worse => format!(" and larger in {worse}"),
     };
     let error = format!(
         "The contour error became smaller in {} of {} motions{worse}",
-        count(Change::Better),
+        count(motions, Change::Better),
         motions.len()
     );
     let left_um = |motion: &&VerifiedMotion| motion.after.rms_without_noise_um();
@@ -100,7 +104,6 @@ fn of_motions(motions: &[VerifiedMotion]) -> Vec<String> {
 /// How many motions became better, worse, or neither.
 #[must_use]
 pub fn summary(motions: &[VerifiedMotion]) -> String {
-    let count = |change: Change| motions.iter().filter(|motion| motion.change() == change).count();
     let predicted = motions.iter().filter_map(VerifiedMotion::is_as_predicted);
     let (within, all) = predicted.fold((0, 0), |(within, all), is| (within + usize::from(is), all + 1));
     let has_prediction =
@@ -116,9 +119,9 @@ pub fn summary(motions: &[VerifiedMotion]) -> String {
         "Contour error of {} {}: smaller in {}, larger in {}, not distinguishable in {}. {predictions}",
         motions.len(),
         if motions.len() == 1 { "motion" } else { "motions" },
-        count(Change::Better),
-        count(Change::Worse),
-        count(Change::Unchanged)
+        count(motions, Change::Better),
+        count(motions, Change::Worse),
+        count(motions, Change::Unchanged)
     )
 }
 
@@ -202,8 +205,7 @@ fn errors(motions: &[VerifiedMotion], limits: &[Judgement]) -> Markup {
 fn of_its_log(motion: &VerifiedMotion, limits: &[Judgement]) -> Vec<Judgement> {
     let limits: Vec<Limit> =
         limits.iter().map(|limit| Limit { figure: limit.name, um: limit.limit_um }).collect();
-    let logs = [motion.log_after()];
-    judged(&limits, &Judged { logs: &logs, faulty: &[], motions: &[], trust: Trust::Whole })
+    judged_by_logs(&limits, &[motion.log_after()])
 }
 
 /// The largest circle before and after; empty if the motion has none.

@@ -56,15 +56,14 @@ impl FromStr for DateOf {
 }
 
 impl CertificateArguments {
-    /// What the JSON tells; `None` if nothing was given.
-    pub fn written(&self) -> Option<traced::Circumstances> {
-        let written = traced::Circumstances {
+    /// When and where the machine was traced, as far as it was given.
+    pub fn traced(&self) -> traced::Circumstances {
+        traced::Circumstances {
             serial: self.serial.clone(),
             operator: self.operator.clone(),
             date: self.day(),
             temperature_c: self.temperature_c,
-        };
-        (written != traced::Circumstances::default()).then_some(written)
+        }
     }
 
     fn day(&self) -> Option<String> {
@@ -78,10 +77,7 @@ impl CertificateArguments {
     /// What the page tells. `paths` are the files of the command line, which stand there without their folders.
     pub fn circumstances(&self, paths: &[&Path]) -> Circumstances {
         Circumstances {
-            serial: self.serial.clone(),
-            operator: self.operator.clone(),
-            date: self.day(),
-            temperature_c: self.temperature_c,
+            traced: self.traced(),
             command_line: command_line(std::env::args_os().skip(1), paths),
         }
     }

@@ -18,12 +18,6 @@ use files::error::{InputError, quoted};
 use files::head::Head;
 use files::table::Table;
 
-/// Channels of the tool: that of a log, and the radius of a ballbar.
-const AT_TOOL: [&str; 2] = ["tool", "radius"];
-
-/// A direction is a full circle from this angle on: the ramps at the start and the end of a turn are not evaluated.
-const FULL_DEG: f64 = 345.0;
-
 /// Arguments of `circle`.
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -83,9 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn judged(analysis: &Analysis, limits: &[Limit]) -> Vec<Judgement> {
     let Analysis { measured, figures, residual_um, .. } = analysis;
     let of = pages::file_name(&measured.source);
-    let is_at_tool = AT_TOOL.contains(&measured.channel);
-    let full = figures.directions.iter().filter(|direction| direction.covered_deg >= FULL_DEG);
-    let um = full.map(|direction| direction.circular_um).reduce(f64::max);
+    let (is_at_tool, um) = (measured.is_at_tool(), figures.full_circular_um());
     of_circle(limits, &Circular { of, is_at_tool, um, noise_um: *residual_um })
 }
 

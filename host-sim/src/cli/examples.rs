@@ -1,140 +1,125 @@
 //! Examples below the help of each verb.
 
-/// Verbs with lines that can be typed, in the order of the help.
-pub const ALL: [(&str, &str); 23] = [
+/// Verbs with lines that can be typed.
+pub const ALL: [(&str, &[&str]); 23] = [
     (
         "trace",
-        "Examples:
-  lost-motion trace --machine M.toml --fit circle.csv --fit travel.csv --validate corner.csv --model better.toml
-  lost-motion trace --machine M.toml --fit circle.csv --report report --serial 4711 --operator \"A. Smith\" --date today
-  lost-motion trace --machine M.toml --fit circle.csv --limit G=8 --limit corner=15 --check
-  lost-motion trace --machine M.toml --fit scope.csv --map \"x_command_mm=X cmd\" --rate 1000",
+        &[
+            "lost-motion trace --machine M.toml --fit circle.csv --fit travel.csv --validate corner.csv --model better.toml",
+            "lost-motion trace --machine M.toml --fit circle.csv --report report --serial 4711 --operator \"A. Smith\" --date today",
+            "lost-motion trace --machine M.toml --fit circle.csv --limit G=8 --limit corner=15 --check",
+            "lost-motion trace --machine M.toml --fit scope.csv --map \"x_command_mm=X cmd\" --rate 1000",
+        ],
     ),
     (
         "circle",
-        "Examples:
-  lost-motion circle circle.csv --report report
-  lost-motion circle cw.csv ccw.csv --json circle.json
-  lost-motion circle ballbar.csv --radius 100 --feed 1000",
+        &[
+            "lost-motion circle circle.csv --report report",
+            "lost-motion circle cw.csv ccw.csv --json circle.json",
+            "lost-motion circle ballbar.csv --radius 100 --feed 1000",
+        ],
     ),
     (
         "positions",
-        "Examples:
-  lost-motion positions --fit x.csv --validate later.csv --report report
-  lost-motion positions --fit laser.txt --map \"target_mm=Nominal position\" --map measured_mm=Laser --model found.toml",
+        &[
+            "lost-motion positions --fit x.csv --validate later.csv --report report",
+            "lost-motion positions --fit laser.txt --map \"target_mm=Nominal position\" --map measured_mm=Laser --model found.toml",
+        ],
     ),
     (
         "budget",
-        "Examples:
-  lost-motion budget --model better.toml
-  lost-motion budget --model better.toml --motion pocket.toml --report report",
+        &[
+            "lost-motion budget --model better.toml",
+            "lost-motion budget --model better.toml --motion pocket.toml --report report",
+        ],
     ),
     (
         "history",
-        "Examples:
-  lost-motion trace --machine M.toml --fit circle.csv --date 2026-11-27 --json traces/2026-11-27.json
-  lost-motion history traces --report report
-  lost-motion history traces --limit x.backlash.width_um=8 --check",
+        &[
+            "lost-motion trace --machine M.toml --fit circle.csv --date 2026-11-27 --json traces/2026-11-27.json",
+            "lost-motion history traces --report report",
+            "lost-motion history traces --limit x.backlash.width_um=8 --check",
+        ],
     ),
     (
         "init",
-        "Examples:
-  lost-motion init --log circle.csv --log travel.csv --out M.toml
-  lost-motion init --log circle.csv --set x.lead_mm=10 --out M.toml",
+        &[
+            "lost-motion init --log circle.csv --log travel.csv --out M.toml",
+            "lost-motion init --log circle.csv --set x.lead_mm=10 --out M.toml",
+        ],
     ),
     (
         "import",
-        "Examples:
-  lost-motion import scope.csv --map \"x_command_mm=X cmd\" --unit x_command_mm=inch --rate 1000 --out log.csv
-  lost-motion import samples.txt --preset halsampler --map x_command_mm=1 --map x_motor_mm=2 --rate 1000 --out log.parquet",
+        &[
+            "lost-motion import scope.csv --map \"x_command_mm=X cmd\" --unit x_command_mm=inch --rate 1000 --out log.csv",
+            "lost-motion import samples.txt --preset halsampler --map x_command_mm=1 --map x_motor_mm=2 --rate 1000 --out log.parquet",
+        ],
     ),
-    (
-        "app",
-        "Examples:
-  lost-motion app --out lost-motion.html",
-    ),
+    ("app", &["lost-motion app --out lost-motion.html"]),
     (
         "compensate",
-        "Examples:
-  lost-motion compensate --model better.toml --out C.toml
-  lost-motion compensate --model better.toml --out C.toml --format linuxcnc --out-dir hal",
+        &[
+            "lost-motion compensate --model better.toml --out C.toml",
+            "lost-motion compensate --model better.toml --out C.toml --format linuxcnc --out-dir hal",
+        ],
     ),
     (
         "verify",
-        "Examples:
-  lost-motion verify --machine M.toml --before circle.csv --after again.csv
-  lost-motion verify --machine M.toml --before circle.csv --after again.csv --predicted C.toml --limit G=8 --check",
+        &[
+            "lost-motion verify --machine M.toml --before circle.csv --after again.csv",
+            "lost-motion verify --machine M.toml --before circle.csv --after again.csv --predicted C.toml --limit G=8 --check",
+        ],
     ),
-    (
-        "tune",
-        "Examples:
-  lost-motion tune --machine better.toml --motion circle.toml --out tuned.toml",
-    ),
+    ("tune", &["lost-motion tune --machine better.toml --motion circle.toml --out tuned.toml"]),
     (
         "margins",
-        "Examples:
-  lost-motion margins --machine better.toml
-  lost-motion margins --machine better.toml --compensation C.toml --json margins.json",
+        &[
+            "lost-motion margins --machine better.toml",
+            "lost-motion margins --machine better.toml --compensation C.toml --json margins.json",
+        ],
     ),
     (
         "simulate",
-        "Examples:
-  lost-motion simulate --machine M.toml --motion circle.toml --out circle.csv
-  lost-motion simulate --machine M.toml --motion circle.toml --compensation C.toml --out again.csv",
+        &[
+            "lost-motion simulate --machine M.toml --motion circle.toml --out circle.csv",
+            "lost-motion simulate --machine M.toml --motion circle.toml --compensation C.toml --out again.csv",
+        ],
     ),
     (
         "improve",
-        "Examples:
-  lost-motion improve --machine M.toml --plant true.toml --fit travel.toml --motion circle.toml --out better",
+        &[
+            "lost-motion improve --machine M.toml --plant true.toml --fit travel.toml --motion circle.toml --out better",
+        ],
     ),
     (
         "record",
-        "Examples:
-  lost-motion record --port emulated --motion circle.toml --out circle.csv
-  lost-motion record --port /dev/ttyACM0 --machine M.toml --motion circle.toml --out circle.csv.gz",
+        &[
+            "lost-motion record --port emulated --motion circle.toml --out circle.csv",
+            "lost-motion record --port /dev/ttyACM0 --machine M.toml --motion circle.toml --out circle.csv.gz",
+        ],
     ),
     (
         "board",
-        "Examples:
-  lost-motion board ports
-  lost-motion board status --port emulated
-  lost-motion board upload --port /dev/ttyACM0 --machine M.toml",
+        &[
+            "lost-motion board ports",
+            "lost-motion board status --port emulated",
+            "lost-motion board upload --port /dev/ttyACM0 --machine M.toml",
+        ],
     ),
     (
         "demo",
-        "Examples:
-  lost-motion demo --seed 7 --report report
-  lost-motion demo --machines 20 --second-simulator",
+        &["lost-motion demo --seed 7 --report report", "lost-motion demo --machines 20 --second-simulator"],
     ),
-    (
-        "compare",
-        "Examples:
-  lost-motion compare --hours 0.1 --report report",
-    ),
-    (
-        "reproduce",
-        "Examples:
-  lost-motion reproduce --report report",
-    ),
-    (
-        "sensors",
-        "Examples:
-  lost-motion sensors --report report",
-    ),
+    ("compare", &["lost-motion compare --hours 0.1 --report report"]),
+    ("reproduce", &["lost-motion reproduce --report report"]),
+    ("sensors", &["lost-motion sensors --report report"]),
     (
         "self-test",
-        "Examples:
-  lost-motion self-test --cases 5 --seed 3 --report report
-  lost-motion self-test --cases 2 --kind textbook,coarse --keep cases --no-trace",
+        &[
+            "lost-motion self-test --cases 5 --seed 3 --report report",
+            "lost-motion self-test --cases 2 --kind textbook,coarse --keep cases --no-trace",
+        ],
     ),
-    (
-        "completions",
-        "Examples:
-  lost-motion completions bash",
-    ),
-    (
-        "man",
-        "Examples:
-  lost-motion man --out-dir man",
-    ),
+    ("completions", &["lost-motion completions bash"]),
+    ("man", &["lost-motion man --out-dir man"]),
 ];

@@ -43,8 +43,8 @@ pub fn grouped(command: Command) -> Command {
         }
         groups.push('\n');
     }
-    let with_examples = |command: Command, (verb, text): &(&'static str, &'static str)| {
-        command.mut_subcommand(verb, |verb| verb.after_help(*text))
+    let with_examples = |command: Command, (verb, lines): &(&'static str, &[&str])| {
+        command.mut_subcommand(verb, |verb| verb.after_help(format!("Examples:\n  {}", lines.join("\n  "))))
     };
     let command = examples::ALL.iter().fold(command, with_examples);
     command.after_help(PROGRAM).help_template(format!(
@@ -72,14 +72,13 @@ mod tests {
         let command = crate::cli::command();
         for verb in command.get_subcommands() {
             let name = verb.get_name();
-            let (_, text) = examples::ALL.iter().find(|(of, _)| *of == name).unwrap();
-            let own = text.lines().filter(|line| line.starts_with(&format!("  lost-motion {name} ")));
+            let (_, lines) = examples::ALL.iter().find(|(of, _)| *of == name).unwrap();
+            let own = lines.iter().filter(|line| line.starts_with(&format!("lost-motion {name} ")));
             assert!(own.count() >= 1, "{name}");
         }
-        for line in examples::ALL.iter().flat_map(|(_, text)| text.lines().skip(1)).chain(PROGRAM.lines()) {
-            let Some(line) = line.strip_prefix("  ").filter(|line| line.starts_with("lost-motion ")) else {
-                continue;
-            };
+        let of_verbs = examples::ALL.iter().flat_map(|(_, lines)| lines.iter().copied());
+        let of_program = PROGRAM.lines().filter_map(|line| line.strip_prefix("  "));
+        for line in of_verbs.chain(of_program) {
             // What a line does stands behind several spaces.
             let words = shlex::split(line.split("   ").next().unwrap()).unwrap();
             let outcome = command.clone().try_get_matches_from(words);

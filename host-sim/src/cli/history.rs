@@ -47,8 +47,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Output::InNewFolder("--report", report.as_ref()),
     ];
     let traces = folder::read(&arguments.folder)?;
-    let files: Vec<PathBuf> = traces.records.iter().map(|record| PathBuf::from(&record.source)).collect();
-    check_outputs(&files.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &outputs)?;
+    check_outputs(&traces.files.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &outputs)?;
     let at_least = arguments.at_least.iter().map(|limit| Limit { side: Side::AtLeast, ..limit.clone() });
     let limits = arguments.at_most.iter().cloned().chain(at_least).collect();
     let history = History::of(traces, limits)?;

@@ -170,7 +170,7 @@ fn write(arguments: &Arguments, trace: &Identification, extra: &mut Extra) -> Re
     }
     let document = trace::json::Document::of(trace, &extra.contour_errors, arguments.empirical);
     let document = Document::of(document, extra.budget.as_ref(), &extra.limits);
-    write_json(arguments.json.as_ref(), &document.under(arguments.certificate.written()))?;
+    write_json(arguments.json.as_ref(), &document.under(arguments.certificate.traced()))?;
     if let Some(path) = &arguments.model {
         write_whole(path, |out| out.write_all(trace.better_machine().to_toml().as_bytes()))?;
     }

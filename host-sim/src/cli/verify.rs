@@ -11,7 +11,7 @@ use super::outputs::{check_json_and_page, print, write_json};
 use super::progress::Progress;
 use super::reading::ReadingArguments;
 use super::sound_logs::SoundLogs;
-use budget::limits::{Judged, Trust, judged};
+use budget::limits::judged_by_logs;
 use compensate::alignment::aligned;
 use compensate::{CompensationFile, mapped};
 use contour::comparison;
@@ -71,8 +71,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let all: Vec<_> = motions.iter().map(VerifiedMotion::json).collect();
     let after: Vec<LogError> = motions.iter().map(VerifiedMotion::log_after).collect();
-    let by = Judged { logs: &after, faulty: &[], motions: &[], trust: Trust::Whole };
-    let limits = judged(arguments.limits.all(), &by);
+    let limits = judged_by_logs(arguments.limits.all(), &after);
     write_json(arguments.json.as_ref(), &json!({"motions": all, "limits": limits}))?;
     let mut output = text(&motions, arguments.predicted.is_some(), &remarks) + &limits::text(&limits);
     if let Some(folder) = &arguments.report {

@@ -43,6 +43,12 @@ pub fn judged(limits: &[Limit], by: &Judged<'_>) -> Vec<Judgement> {
     limits.iter().map(|limit| of_limit(*limit, by)).collect()
 }
 
+/// Each limit with its outcome by sound logs alone.
+#[must_use]
+pub fn judged_by_logs(limits: &[Limit], logs: &[LogError]) -> Vec<Judgement> {
+    judged(limits, &Judged { logs, faulty: &[], motions: &[], trust: Trust::Whole })
+}
+
 fn of_limit(limit: Limit, by: &Judged<'_>) -> Judgement {
     let at_tool = |log: &&LogError| log.channel == Channel::Tool && !log.error.is_along_axis;
     let measured = by.logs.iter().filter(at_tool).filter_map(|log| measured(limit, log, by.faulty));

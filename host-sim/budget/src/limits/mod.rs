@@ -11,7 +11,7 @@ mod limited;
 #[cfg(test)]
 mod tests;
 
-pub use judge::{Circular, Judged, Trust, judged, of_circle};
+pub use judge::{Circular, Judged, Trust, judged, judged_by_logs, of_circle};
 pub use judgement::{Basis, Judgement, Outcome, summary};
 pub use limit::{Figure, Limit};
 pub use limited::Limited;

@@ -166,6 +166,12 @@ fn json(file: &str) -> Value {
     serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap()
 }
 
+/// The machine of the demo, and a motion once round in each direction.
+fn machine_and_circle() -> [String; 2] {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("host-sim");
+    ["machines/demo.toml", "motions/circle.toml"].map(|name| path(&root.join(name)))
+}
+
 #[test]
 fn pages_are_read_at_every_width_by_keyboard_and_as_files() {
     let Some(browser) = chromium() else {
@@ -175,8 +181,7 @@ fn pages_are_read_at_every_width_by_keyboard_and_as_files() {
     let folder = tempfile::tempdir().unwrap();
     let in_folder = |name: &str| path(&folder.path().join(name));
     let page = |name: &str| folder.path().join(name).join("report.html");
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("host-sim");
-    let [machine, motion] = ["machines/demo.toml", "motions/circle.toml"].map(|name| path(&root.join(name)));
+    let [machine, motion] = machine_and_circle();
     let [log, of_circle, of_budget] = ["circle.csv", "circle.json", "budget.json"].map(in_folder);
     run(&["demo", "--seed", "2", "--report", &in_folder("demo")]);
     run(&["simulate", "--machine", &machine, "--motion", &motion, "--out", &log]);
@@ -210,8 +215,7 @@ fn the_page_of_verify_says_first_what_became_of_the_motion() {
     };
     let folder = tempfile::tempdir().unwrap();
     let in_folder = |name: &str| path(&folder.path().join(name));
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("host-sim");
-    let [machine, motion] = ["machines/demo.toml", "motions/circle.toml"].map(|name| path(&root.join(name)));
+    let [machine, motion] = machine_and_circle();
     let [worse, before, after, to_json] =
         ["worse.toml", "before.csv", "after.csv", "verify.json"].map(in_folder);
     let backlash = "\n[[axis.x.effect]]\nname = 'backlash'\nwidth_um = 60.0\n";
