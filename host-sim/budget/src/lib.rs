@@ -30,7 +30,7 @@ pub mod sizes;
 pub mod text;
 pub mod traced;
 
-use compensate::prediction::{PredictionError, TestMotion};
+use commissioning::compensate::prediction::{PredictionError, TestMotion};
 use model::machine::Machine;
 use plant::equivalent::{self, Assumed};
 

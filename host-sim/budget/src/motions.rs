@@ -1,7 +1,7 @@
 //! Motions for a budget where none is given: a circle, corners, travels and a small part, within the travel of the axes.
 
-use compensate::mapped;
-use compensate::prediction::TestMotion;
+use commissioning::compensate::mapped;
+use commissioning::compensate::prediction::TestMotion;
 use indexmap::IndexMap;
 use model::axis::KeyNames;
 use model::machine::Machine;

@@ -1,6 +1,6 @@
 //! The budget of a motion.
 
-use compensate::prediction::{PredictionError, TestMotion};
+use commissioning::compensate::prediction::{PredictionError, TestMotion};
 use files::format::significant;
 use model::machine::evidence::Certainty;
 

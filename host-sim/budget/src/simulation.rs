@@ -5,10 +5,10 @@
 
 use rayon::prelude::*;
 
-use compensate::CompensationFile;
-use compensate::alignment::aligned;
-use compensate::controller_host::ControllerHost;
-use compensate::prediction::{self, PredictionError, TestMotion};
+use commissioning::compensate::CompensationFile;
+use commissioning::compensate::alignment::aligned;
+use commissioning::compensate::controller_host::ControllerHost;
+use commissioning::compensate::prediction::{self, PredictionError, TestMotion};
 use files::log::{Channel, Log};
 use model::machine::Machine;
 

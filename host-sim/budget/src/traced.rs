@@ -1,6 +1,6 @@
 //! The budget of what a trace has found, and the JSON of a trace with it.
 
-use compensate::prediction::PredictionError;
+use commissioning::compensate::prediction::PredictionError;
 use contour::log_error::LogError;
 use contour::logged::log_name;
 use files::format::significant;

@@ -1,7 +1,7 @@
 //! What an axis does beside its command: a table over the position, a backlash, and gains that change.
 
-use compensate::CompensationFile;
-use compensate::file::AxisCompensation;
+use commissioning::compensate::CompensationFile;
+use commissioning::compensate::file::AxisCompensation;
 use model::axis::Settings;
 use model::machine::{Axis, Machine};
 use model::servo::VelocityDrive;

@@ -26,7 +26,7 @@ pub mod table;
 #[cfg(test)]
 mod tests;
 
-use compensate::CompensationFile;
+use commissioning::compensate::CompensationFile;
 use model::machine::Machine;
 
 pub use control::{Control, ControlFile, Written};

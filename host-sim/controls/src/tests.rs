@@ -1,8 +1,8 @@
 //! Each file read by the rules of its control, and its whole text.
 
-use compensate::CompensationFile;
-use compensate::file::AxisCompensation;
-use compensate::servo::ControllerChange;
+use commissioning::compensate::CompensationFile;
+use commissioning::compensate::file::AxisCompensation;
+use commissioning::compensate::servo::ControllerChange;
 use model::machine::Machine;
 use shared::compensate::CompensationSettings;
 use shared::compensate::settings::{Cycle, ForceModel, Pitch, PitchSource, Points, TableFriction};

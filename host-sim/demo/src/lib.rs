@@ -9,13 +9,13 @@ pub use draw::{Drawn, draw, draw_several};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use compensate::controller_host::ControllerHost;
-use compensate::file::CompensationFile;
-use compensate::limits::Limits;
-use compensate::plan::Plan;
-use compensate::planning::Planning;
-use compensate::prediction::{PredictionError, TestMotion};
-use compensate::round_trip::{self, Compared, MachineUnderTest, SimulatedMachine};
+use commissioning::compensate::controller_host::ControllerHost;
+use commissioning::compensate::file::CompensationFile;
+use commissioning::compensate::limits::Limits;
+use commissioning::compensate::plan::Plan;
+use commissioning::compensate::planning::Planning;
+use commissioning::compensate::prediction::{PredictionError, TestMotion};
+use commissioning::compensate::round_trip::{self, Compared, MachineUnderTest, SimulatedMachine};
 use contour::log_error::LogError;
 use files::error::InputError;
 use files::log::Log;
@@ -286,7 +286,7 @@ impl Demo {
             "contour_error_um": {"before": before, "predicted": predicted, "after": after},
             "limits": compensated.limits.json(),
             "motions": compensated.motions.iter().map(|motion| motion.comparison().json()).collect::<Vec<_>>(),
-            "compensation": compensate::json::of(&compensated.plan),
+            "compensation": commissioning::compensate::json::of(&compensated.plan),
         })
     }
 }

@@ -7,11 +7,11 @@ use serde_json::{Value, json};
 
 use super::second_machine::SecondMachine;
 use super::{Compensated, DemoError, MACHINE, compensated, draw_several, logs};
-use compensate::controller_host::ControllerHost;
-use compensate::file::{AxisCompensation, CompensationFile};
-use compensate::limits::{Limit, Limits};
-use compensate::round_trip::{MachineUnderTest, SimulatedMachine, totals_um};
-use compensate::servo::ControllerChange;
+use commissioning::compensate::controller_host::ControllerHost;
+use commissioning::compensate::file::{AxisCompensation, CompensationFile};
+use commissioning::compensate::limits::{Limit, Limits};
+use commissioning::compensate::round_trip::{MachineUnderTest, SimulatedMachine, totals_um};
+use commissioning::compensate::servo::ControllerChange;
 use model::axis::Law;
 use model::machine::Machine;
 use plant::instruments::Instruments;

@@ -4,10 +4,10 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use shared::axis::Reading;
 
-use compensate::controller_host::ControllerHost;
-use compensate::file::CompensationFile;
-use compensate::prediction::{self, PredictionError, TestMotion};
-use compensate::round_trip::{MachineUnderTest, Sensing};
+use commissioning::compensate::controller_host::ControllerHost;
+use commissioning::compensate::file::CompensationFile;
+use commissioning::compensate::prediction::{self, PredictionError, TestMotion};
+use commissioning::compensate::round_trip::{MachineUnderTest, Sensing};
 use files::log::Log;
 use model::machine::Machine;
 use plant::machine_sim::{Measurement, position};

@@ -1,6 +1,6 @@
 //! A machine of the self-test makes a round trip: the second simulator, which shares no code with the plant, executes the motions.
 
-use compensate::limits::Limit;
+use commissioning::compensate::limits::Limit;
 use demo::round_trips::{MAX_PREDICTION_ERROR, Machines, Simulator, round_trips};
 
 #[test]

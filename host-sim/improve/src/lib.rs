@@ -11,14 +11,14 @@ pub mod round;
 
 use rayon::prelude::*;
 
-use compensate::file::CompensationFile;
-use compensate::prediction::{self, PredictionError, TestMotion, contour_error};
-use compensate::round_trip::{MachineUnderTest, Sensing, SimulatedMachine};
-use compensate::standard_motions;
+use commissioning::compensate::file::CompensationFile;
+use commissioning::compensate::prediction::{self, PredictionError, TestMotion, contour_error};
+use commissioning::compensate::round_trip::{MachineUnderTest, Sensing, SimulatedMachine};
+use commissioning::compensate::standard_motions;
+use commissioning::margins::MarginLimits;
 use contour::ContourError;
 use files::error::InputError;
 use files::log::Log;
-use margins::MarginLimits;
 use model::machine::Machine;
 
 use outcome::{Improvement, Stop};
@@ -112,10 +112,10 @@ impl Improving<'_> {
     }
 
     /// The compensation of a model.
-    fn plan(&self, model: &Machine) -> Result<compensate::plan::Plan, PredictionError> {
+    fn plan(&self, model: &Machine) -> Result<commissioning::compensate::plan::Plan, PredictionError> {
         let set_at_s = self.judged.iter().map(|test| test.start_s).fold(0.0, f64::max);
         let watched = standard_motions::all(model, self.judged, set_at_s)?;
-        let planning = compensate::planning::Planning {
+        let planning = commissioning::compensate::planning::Planning {
             model,
             model_file: "the traced model",
             tests: self.judged,

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::round::Round;
-use compensate::prediction::total_rms_um;
+use commissioning::compensate::prediction::total_rms_um;
 use contour::ContourError;
 use contour::comparison::{self, Comparison};
 use files::format::significant;

@@ -1,12 +1,12 @@
 //! One round, and when its compensation is kept.
 
-use compensate::file::CompensationFile;
-use compensate::plan::Plan;
-use compensate::prediction::total_rms_um;
+use commissioning::compensate::file::CompensationFile;
+use commissioning::compensate::plan::Plan;
+use commissioning::compensate::prediction::total_rms_um;
+use commissioning::margins::MarginLimits;
+use commissioning::margins::change::first_too_little;
 use contour::ContourError;
 use contour::verification::{is_better, is_worse};
-use margins::MarginLimits;
-use margins::change::first_too_little;
 use model::machine::Machine;
 use plant::instruments::Instruments;
 use trace::AxisIdentification;

@@ -10,15 +10,15 @@ use super::input_error::Inputs;
 use super::margins::LimitArguments;
 use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
-use compensate::counted_motions::{self, SETTLE_S};
-use compensate::planning::Planning;
-use compensate::prediction::{PredictionError, TestMotion};
-use compensate::{CompensationFile, standard_motions, text};
+use commissioning::compensate::counted_motions::{self, SETTLE_S};
+use commissioning::compensate::planning::Planning;
+use commissioning::compensate::prediction::{PredictionError, TestMotion};
+use commissioning::compensate::{CompensationFile, standard_motions, text};
+use commissioning::margins::MarginLimits;
+use commissioning::margins::axis_margins::{self, AxisMargins, MarginError};
 use controls::{Control, ControlFile};
 use files::error::InputError;
 use files::output::{create_folder, write_whole};
-use margins::MarginLimits;
-use margins::axis_margins::{self, AxisMargins, MarginError};
 use model::machine::Machine;
 use plant::instruments::Instruments;
 
@@ -97,7 +97,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     drop(progress);
     check_margins(&plan.file, &model_file, &model, limits)?;
     let toml = plan.file.to_toml()?;
-    let mut json = compensate::json::of(&plan);
+    let mut json = commissioning::compensate::json::of(&plan);
     let margins = LoopsBeforeAfter::of(&model, &plan.file, limits).ok();
     json["margins"] = margins.as_ref().map(|margins| margins.json(limits)).unwrap_or_default();
     // One after the other: Ctrl-C in between, or while the margins are computed, would leave one without the other.
@@ -149,7 +149,8 @@ impl LoopsBeforeAfter {
     }
 
     fn json(&self, limits: MarginLimits) -> Value {
-        let [before, after] = [&self.before, &self.after].map(|axes| margins::json::of(axes, limits));
+        let [before, after] =
+            [&self.before, &self.after].map(|axes| commissioning::margins::json::of(axes, limits));
         json!({"before": before, "after": after})
     }
 

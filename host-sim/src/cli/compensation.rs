@@ -4,11 +4,11 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use compensate::{CompensationFile, mapped};
+use commissioning::compensate::{CompensationFile, mapped};
+use commissioning::margins::MarginLimits;
+use commissioning::margins::change;
 use contour::NominalPath;
 use files::error::InputError;
-use margins::MarginLimits;
-use margins::change;
 use model::machine::Machine;
 use plant::controller::Controller;
 use plant::machine_path::MachinePath;

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 
 use super::outputs::{Output, check_outputs, print, write_json};
-use compensate::CompensationFile;
+use commissioning::compensate::CompensationFile;
+use commissioning::margins::{MarginLimits, axis_margins, json, text};
 use files::error::InputError;
-use margins::{MarginLimits, axis_margins, json, text};
 use model::machine::Machine;
 use plant::instruments::Instruments;
 

@@ -8,11 +8,11 @@ use super::compensate::{input_or_failure, test_motions};
 use super::margins::LimitArguments;
 use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
+use commissioning::tuning::{Tuning, TuningError};
 use files::error::InputError;
 use files::output::write_whole;
 use model::machine::Machine;
 use plant::instruments::Instruments;
-use tuning::{Tuning, TuningError};
 
 /// Arguments of `tune`.
 #[derive(clap::Args)]

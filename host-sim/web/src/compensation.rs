@@ -1,12 +1,12 @@
 //! A compensation as files of a control, as `lost-motion compensate --format`.
 
 use clap::ValueEnum;
-use compensate::counted_motions::{self, SETTLE_S};
-use compensate::planning::Planning;
-use compensate::{standard_motions, text};
+use commissioning::compensate::counted_motions::{self, SETTLE_S};
+use commissioning::compensate::planning::Planning;
+use commissioning::compensate::{standard_motions, text};
+use commissioning::margins::MarginLimits;
+use commissioning::margins::change;
 use controls::Control;
-use margins::MarginLimits;
-use margins::change;
 use model::machine::Machine;
 use plant::instruments::Instruments;
 use serde_json::{Value, json};

@@ -15,12 +15,12 @@ pub mod verdict;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use compensate::CompensationFile;
-use compensate::planning::Planning;
-use compensate::prediction::{PredictionError, TestMotion, contour_errors};
+use commissioning::compensate::CompensationFile;
+use commissioning::compensate::planning::Planning;
+use commissioning::compensate::prediction::{PredictionError, TestMotion, contour_errors};
+use commissioning::margins::MarginLimits;
+use commissioning::margins::axis_margins::{self, AxisMargins, MarginError};
 use files::error::InputError;
-use margins::MarginLimits;
-use margins::axis_margins::{self, AxisMargins, MarginError};
 use model::axis::{Feedback, Law};
 use model::machine::Machine;
 use plant::instruments::Instruments;

@@ -3,8 +3,8 @@
 use contour::ContourError;
 use serde::Serialize;
 
-use margins::AxisMargins;
-use margins::axis_margins::LoopMargins;
+use commissioning::margins::AxisMargins;
+use commissioning::margins::axis_margins::LoopMargins;
 use model::axis::{Feedback, Law};
 use model::machine::Machine;
 

@@ -5,7 +5,7 @@ mod second_simulator;
 
 use budget::motions::{Travel, standard};
 use budget::{Budget, MotionBudget};
-use compensate::prediction::TestMotion;
+use commissioning::compensate::prediction::TestMotion;
 use model::machine::Machine;
 
 /// The standard circle within ±40 mm: radius 30 mm at 50 mm/s, both directions.

@@ -1,7 +1,7 @@
 //! Errors over the position are compensated where they are known.
 
-use compensate::prediction::TestMotion;
-use compensate::{Plan, mapped};
+use commissioning::compensate::prediction::TestMotion;
+use commissioning::compensate::{Plan, mapped};
 
 use super::runs::{PLAIN, contour_um, log, machine, plan, usual, with};
 
@@ -42,7 +42,7 @@ fn a_table_ends_with_the_knots_and_the_motion_that_leaves_it_is_named() {
     assert!(prediction.bound_percent > 99.0, "no bound of 15 %: {prediction:?}");
     // The file says so wherever it is read.
     let text = plan.file.to_toml().unwrap();
-    let read = compensate::CompensationFile::parse(&text, "c.toml", &machine(PLAIN)).unwrap();
+    let read = commissioning::compensate::CompensationFile::parse(&text, "c.toml", &machine(PLAIN)).unwrap();
     assert_eq!(read, plan.file);
     let reached_m = |least, greatest| move |name: &str| (name == "x").then_some([least, greatest]);
     assert_eq!(mapped::beyond(&read, reached_m(-0.02, 0.018)).len(), 1);
@@ -71,7 +71,7 @@ fn far_beyond_its_knots_a_map_is_not_used() {
     assert_eq!(plan.file.predicted[0].beyond_mapped, ["x"], "what is predicted there is not known either");
     let knots = "positions_mm = [-20.0, -10.0, 10.0, 20.0]\nerror_um = [6.0, -6.0, 6.0, -6.0]";
     let truth = machine(&with(PLAIN, &format!("name = \"pitch_map\"\n{knots}")));
-    let none = compensate::CompensationFile::none(&truth);
+    let none = commissioning::compensate::CompensationFile::none(&truth);
     let [before_um, after_um] = [&none, &plan.file].map(|file| contour_um(&log(&truth, file, &test)));
     assert!(after_um < 0.95 * before_um && after_um > 0.5, "{before_um} {after_um}");
 }

@@ -3,10 +3,10 @@
 use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex};
 
-use compensate::controller_host::ControllerHost;
-use compensate::planning::Planning;
-use compensate::prediction::{self, TestMotion};
-use compensate::{CompensationFile, Plan};
+use commissioning::compensate::controller_host::ControllerHost;
+use commissioning::compensate::planning::Planning;
+use commissioning::compensate::prediction::{self, TestMotion};
+use commissioning::compensate::{CompensationFile, Plan};
 use contour::LoggedMotion;
 use files::log::{Channel, Log};
 use model::machine::Machine;
@@ -119,7 +119,8 @@ impl Comparison {
     pub fn on(plain: &str, effect: &str, test: &TestMotion) -> Self {
         let name = machine(&with(plain, effect)).axis["x"].effect[0].name().to_owned();
         let [rest, all] = [plain, &with(plain, effect)].map(|text| kept_plan(text, test));
-        let is_item = |item: &compensate::listed::Item| item.effect == name && item.axis == "x";
+        let is_item =
+            |item: &commissioning::compensate::listed::Item| item.effect == name && item.axis == "x";
         assert!(all.items.iter().any(is_item), "{name} is not compensated: {:?}", all.not_compensated);
         Self::between(plain, effect, test, [&rest.file, &all.file])
     }

@@ -1,7 +1,7 @@
 //! Gains of a drive that are not those of its settings, on a machine with its declared feed-forward of 60 % and without force
 //! feed-forward: with both, these gains hardly matter.
 
-use compensate::CompensationFile;
+use commissioning::compensate::CompensationFile;
 
 use super::runs::{
     Comparison, PLAIN, SPEED_MM_S, changed, log, machine, plan, radial_difference_um, usual, with,
@@ -15,7 +15,7 @@ fn assert(effect: &str, expected_um: f64, fraction: f64) {
     let plan = plan(&machine(&with(PLAIN, effect)), &test);
     let none = CompensationFile { machine: plan.file.machine.clone(), ..CompensationFile::default() };
     let mut all = none.clone();
-    let mut axis = compensate::file::AxisCompensation {
+    let mut axis = commissioning::compensate::file::AxisCompensation {
         controller: plan.file.axis["x"].controller,
         ..Default::default()
     };

@@ -1,9 +1,9 @@
 //! Motions that turn, stop and creep do not become worse with a compensation that is planned on others.
 
-use compensate::controller_host::ControllerHost;
-use compensate::planning::Planning;
-use compensate::prediction::{self, TestMotion};
-use compensate::{CompensationFile, Plan, standard_motions};
+use commissioning::compensate::controller_host::ControllerHost;
+use commissioning::compensate::planning::Planning;
+use commissioning::compensate::prediction::{self, TestMotion};
+use commissioning::compensate::{CompensationFile, Plan, standard_motions};
 use contour::LoggedMotion;
 use model::machine::Machine;
 use plant::instruments::Instruments;
@@ -79,7 +79,7 @@ fn the_planned_motions_keep_most_of_their_gain_and_what_is_worse_is_named() {
         let is_worse = watched.after_um > 1.02 * watched.before_um;
         assert_eq!(watched.is_worse, is_worse, "{watched:?}");
     }
-    let text = compensate::text::of(&plan);
+    let text = commissioning::compensate::text::of(&plan);
     assert_eq!(
         text.matches("worse: not planned for").count(),
         plan.watched.iter().filter(|w| w.is_worse).count()

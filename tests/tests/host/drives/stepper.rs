@@ -4,8 +4,8 @@ use super::{
     Command, SAMPLE_S, STEPS, Simulated, behind_gap, command_and_acceleration, found, log, machine, names,
     stepping, swinging,
 };
-use compensate::planning::Planning;
-use compensate::prediction::TestMotion;
+use commissioning::compensate::planning::Planning;
+use commissioning::compensate::prediction::TestMotion;
 use files::log::Log;
 use plant::instruments::Instruments;
 use shared::compensate::CompensationSettings;

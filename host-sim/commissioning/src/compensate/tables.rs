@@ -1,0 +1,128 @@
+//! Errors of screw and tool as compensation settings.
+
+use std::f64::consts::TAU;
+
+use shared::compensate::CompensationSettings;
+use shared::compensate::settings::{POINTS, Pitch, PitchSource, Points, Straightness, Talk, TimePoints};
+
+use crate::compensate::cycles::{self, Wave};
+use model::effects::{Mode, PeriodicError};
+use plant::parameters::{AxisParameters, ToolParameters};
+use plant::screw::Screw;
+
+/// Table of a drift: this many time constants, after which 1 % of it is left.
+const DRIFT_TIME_CONSTANTS: f64 = 4.6;
+
+/// Evenly spaced values over a travel, m.
+pub fn points(travel_m: [f64; 2], value: impl Fn(f64) -> f64) -> Points {
+    let spacing_m = (travel_m[1] - travel_m[0]) / (POINTS - 1) as f64;
+    let at = |k: usize| value(spacing_m.mul_add(k as f64, travel_m[0]));
+    Points { start_m: travel_m[0], spacing_m, values: (0..POINTS).map(at).collect() }
+}
+
+/// Compensation of everything but forces, for an axis of a machine with axes of these names. Also the number of periodic
+/// errors for which the controller has no table.
+#[must_use]
+pub fn of_axis(
+    parameters: &AxisParameters,
+    names: &[String],
+    travel_m: [f64; 2],
+    start_s: f64,
+) -> (CompensationSettings, usize) {
+    let screw = &parameters.screw;
+    let (screw_cycles, screw_left) = cycles::tables(screw.periodic.iter().map(wave).collect());
+    let (dividing, dividing_left) = cycles::tables(parameters.resolver.iter().map(wave).collect());
+    let source = |name: &str| names.iter().position(|n| n == name).and_then(|i| u8::try_from(i).ok());
+    let tool = &parameters.tool;
+    let um_s2_per_m = |coefficient: f64| Talk::Constant(1e-6 * coefficient);
+    let crosstalk =
+        tool.crosstalk.first().and_then(|talk| Some((source(&talk.source)?, um_s2_per_m(talk.um_s2_per_m))));
+    let straightness = tool
+        .straightness
+        .first()
+        .and_then(|bow| Some((source(&bow.source)?, Straightness::Quadratic(1e-6 * bow.um_per_m2))));
+    // A tool that oscillates also lags behind the table by its acceleration over ω².
+    let intalk_um_s2_per_m = tool.intalk.um_s2_per_m - tool.modes().map(lag_um_s2_per_m).sum::<f64>();
+    let settings = CompensationSettings {
+        pitch: pitch(screw, travel_m),
+        backlash_width_m: Some(1e-6 * parameters.reversal_width_um())
+            .filter(|&width_m| screw.gap_map.is_empty() && width_m > 0.0),
+        screw: screw_cycles,
+        dividing,
+        intalk: (intalk_um_s2_per_m != 0.0).then(|| um_s2_per_m(intalk_um_s2_per_m)),
+        crosstalk,
+        // The effect is declared on the first axis and depends on the second.
+        squareness: (tool.squareness.um_per_m != 0.0).then_some((1, 1e-6 * tool.squareness.um_per_m)),
+        straightness,
+        drift: drift_table(tool, start_s),
+        ..CompensationSettings::default()
+    };
+    (settings, screw_left + dividing_left)
+}
+
+/// Lag of the tool behind the table in a mode far below its frequency, µm per m/s².
+fn lag_um_s2_per_m(mode: Mode) -> f64 {
+    1e6 * mode.participation / (TAU * mode.frequency_hz).powi(2)
+}
+
+/// Table over the session time of the drifts, for a compensation that is set at `start_s` on the session clock.
+fn drift_table(tool: &ToolParameters, start_s: f64) -> Option<TimePoints> {
+    let longest_s = tool.drifts.iter().map(|drift| drift.time_constant_s).reduce(f64::max)?;
+    let spacing_s = DRIFT_TIME_CONSTANTS * longest_s / (POINTS - 1) as f64;
+    let at = |k: usize| tool.drifts.iter().map(|drift| drift.offset_m(spacing_s * k as f64)).sum();
+    Some(TimePoints { start_s: -start_s, spacing_s, values: (0..POINTS).map(at).collect() })
+}
+
+fn wave(error: &PeriodicError) -> Wave<'_> {
+    Wave {
+        period_m: 1e-3 * error.period_mm,
+        amplitude: error.amplitude_um,
+        value: Box::new(|position_m| error.error_m(position_m)),
+    }
+}
+
+/// The part of the pitch error that is not periodic. Where the gap varies along the travel, it is part of the tables of both
+/// directions: in + direction the table is behind the screw by half of the gap.
+fn pitch(screw: &Screw, travel_m: [f64; 2]) -> Option<Pitch> {
+    let error_m =
+        |x: f64| screw.error_m(x) - screw.periodic.iter().map(|error| error.error_m(x)).sum::<f64>();
+    let has_error = screw.progressive.slope_um_per_m != 0.0 || !screw.map.is_empty();
+    let has_gap_map = !screw.gap_map.is_empty();
+    (has_error || has_gap_map).then(|| Pitch {
+        of: PitchSource::Screw,
+        forward: points(travel_m, |x| {
+            error_m(x) - if has_gap_map { screw.half_difference_m(x) } else { 0.0 }
+        }),
+        backward: has_gap_map.then(|| points(travel_m, |x| error_m(x) + screw.half_difference_m(x))),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model::effects::{Backlash, PitchProgressive};
+    use model::position_curve::PositionCurve;
+
+    /// A slope of 20 µm/m over ±0.1 m: ±2 µm at the ends. With a gap from 4 µm to 8 µm: less half of it in + direction.
+    #[test]
+    fn a_gap_that_varies_is_part_of_the_pitch_tables() {
+        let mut parameters = AxisParameters::default();
+        parameters.screw.progressive = PitchProgressive { slope_um_per_m: 20.0 };
+        let names = ["x".to_owned(), "y".to_owned()];
+        let travel_m = [-0.1, 0.1];
+        let settings = of_axis(&parameters, &names, travel_m, 0.0).0;
+        let pitch = settings.pitch.unwrap();
+        assert!(pitch.backward.is_none() && settings.backlash_width_m.is_none());
+        assert!(
+            (pitch.forward.values[0] + 2e-6).abs() < 1e-15 && (pitch.forward.values[63] - 2e-6).abs() < 1e-15
+        );
+        parameters.screw.backlash = Backlash { width_um: 4.0 };
+        assert_eq!(of_axis(&parameters, &names, travel_m, 0.0).0.backlash_width_m, Some(4e-6));
+        parameters.screw.gap_map = PositionCurve::new(&[-0.1, 0.1], &[0.0, 4e-6]);
+        let settings = of_axis(&parameters, &names, travel_m, 0.0).0;
+        let pitch = settings.pitch.unwrap();
+        assert!(settings.backlash_width_m.is_none());
+        assert!((pitch.forward.values[63] - (2e-6 - 4e-6)).abs() < 1e-15);
+        assert!((pitch.backward.unwrap().values[63] - (2e-6 + 4e-6)).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,206 @@
+//! The proposal as text and JSON.
+
+use std::cmp::Ordering;
+
+use serde_json::{Value, json};
+
+use super::candidate::Candidate;
+use crate::margins::axis_margins::{AxisMargins, LoopMargins};
+use crate::margins::{MarginLimits, json};
+use model::axis::{Law, Settings};
+use model::machine::Machine;
+
+/// Lines of the table of position loops.
+const SHOWN: usize = 8;
+
+/// Settings with their margins and the contour error.
+#[derive(Clone, Debug)]
+pub struct Tried {
+    /// The position loop; `None`: as declared.
+    pub candidate: Option<Candidate>,
+    /// The machine with the settings.
+    pub machine: Machine,
+    /// The margins of its axes.
+    pub margins: Vec<AxisMargins>,
+    /// Rms of the simulated contour error over all motions, µm; `None`: a loop is unstable.
+    pub contour_um: Option<f64>,
+}
+
+impl Tried {
+    /// Order by the contour error, with unstable loops last.
+    #[must_use]
+    pub fn cmp_error(&self, other: &Self) -> Ordering {
+        let or_infinite = |um: Option<f64>| um.unwrap_or(f64::INFINITY);
+        or_infinite(self.contour_um).total_cmp(&or_infinite(other.contour_um))
+    }
+}
+
+/// The settings that were tried, the best one first.
+#[derive(Clone, Debug)]
+pub struct Proposal {
+    /// As declared.
+    pub declared: Tried,
+    /// Position loops on the fastest velocity loops, the smallest contour error first.
+    pub tried: Vec<Tried>,
+    /// Margins that each has.
+    pub limits: MarginLimits,
+}
+
+impl Proposal {
+    /// The best settings, if they are better than the declared ones.
+    #[must_use]
+    pub fn best(&self) -> Option<&Tried> {
+        self.tried.first().filter(|best| best.cmp_error(&self.declared).is_lt())
+    }
+
+    /// A sentence, the settings of each axis, and the position loops that were tried.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let MarginLimits { gain_db, phase_deg } = self.limits;
+        let Some(best) = self.best() else {
+            let with_margins = format!("No settings with margins of {gain_db} dB and {phase_deg}°");
+            return self.declared.contour_um.map_or_else(
+                || format!("{with_margins} have stable loops; nor have the declared ones."),
+                |um| {
+                    format!(
+                        "{with_margins} have a smaller simulated contour error than the declared ones, {um:.2} µm rms."
+                    )
+                },
+            );
+        };
+        let mut lines = vec![
+            self.sentence(best),
+            String::new(),
+            format!(
+                "{:<10}{:>6}{:>10}{:>10}{:>8}{:>12}{:>10}{:>9}{:>20}{:>20}",
+                "",
+                "law",
+                "feedback",
+                "Kp 1/s",
+                "Kf %",
+                "Kv N·s/m",
+                "Ti ms",
+                "notch Hz",
+                "velocity loop",
+                "position loop"
+            ),
+        ];
+        for (word, tried) in [("declared", &self.declared), ("proposed", best)] {
+            let axes = tried.machine.axis.iter().zip(&tried.margins);
+            lines.extend(axes.map(|((name, axis), margins)| {
+                format!("{:<10}{}", format!("{word} {name}"), settings_row(&axis.settings, margins))
+            }));
+        }
+        lines.extend([
+            String::new(),
+            format!(
+                "{:>6}{:>10}{:>8}{:>10}{:>10}{:>16}",
+                "law", "feedback", "Kf %", "ahead", "Kp 1/s", "contour µm rms"
+            ),
+        ]);
+        lines.extend(self.tried.iter().take(SHOWN).filter_map(candidate_row));
+        if self.tried.len() > SHOWN {
+            lines.push(format!("and {} others, with larger errors", self.tried.len() - SHOWN));
+        }
+        lines.join("\n")
+    }
+
+    fn sentence(&self, best: &Tried) -> String {
+        let MarginLimits { gain_db, phase_deg } = self.limits;
+        let with_margins = format!("With margins of at least {gain_db} dB and {phase_deg}°");
+        let best_um = um(best.contour_um, 2);
+        self.declared.contour_um.map_or_else(
+            || {
+                format!(
+                    "{with_margins}, the simulated contour error is {best_um} µm rms; the declared loops are unstable."
+                )
+            },
+            |um| {
+                format!(
+                    "{with_margins}, the simulated contour error changes from {um:.2} to {best_um} µm rms."
+                )
+            },
+        )
+    }
+
+    /// The JSON of `tune`.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        let tried = |tried: &Tried| {
+            let settings = tried.machine.axis.iter().map(|(name, axis)| {
+                let Settings { controller, filters, sensors, .. } = &axis.settings;
+                let values = json!({
+                    "position_gain_per_s": controller.position_gain_per_s,
+                    "feedforward_percent": controller.feedforward_percent,
+                    "feedforward_ahead_s": controller.feedforward_ahead_s,
+                    "velocity_gain_n_s_per_m": controller.velocity_gain_n_s_per_m,
+                    "velocity_integral_time_s": controller.velocity_integral_time_s,
+                    "notch_frequency_hz": filters.notch_frequency_hz,
+                    "dual_feedback_time_constant_s": sensors.dual_feedback_time_constant_s,
+                });
+                (name.clone(), values)
+            });
+            json!({
+                "controller": tried.candidate.map(|candidate| candidate.law),
+                "feedback": tried.candidate.map(|candidate| candidate.feedback),
+                "axis": settings.collect::<serde_json::Map<_, _>>(),
+                "margins": json::of(&tried.margins, self.limits),
+                "contour_error_um": tried.contour_um,
+            })
+        };
+        json!({
+            "declared": tried(&self.declared),
+            "proposed": self.best().map(tried),
+            "tried": self.tried.iter().map(tried).collect::<Vec<_>>(),
+        })
+    }
+}
+
+fn settings_row(settings: &Settings, margins: &AxisMargins) -> String {
+    let Settings { controller, filters, sensors, .. } = settings;
+    let number = |value: Option<f64>, width: usize, decimals: usize| {
+        value.map_or(format!("{:>width$}", "–"), |value| format!("{value:>width$.decimals$}"))
+    };
+    let law = controller.law.map_or("–", Law::word);
+    let feedback = sensors.feedback.word();
+    format!(
+        "{law:>6}{feedback:>10}{}{}{}{}{}{:>20}{:>20}",
+        number(controller.position_gain_per_s, 10, 1),
+        number(controller.feedforward_percent, 8, 0),
+        number(controller.velocity_gain_n_s_per_m, 12, 0),
+        number(controller.velocity_integral_time_s.map(|s| 1e3 * s), 10, 1),
+        number(filters.notch_frequency_hz, 9, 0),
+        loop_words(&margins.velocity),
+        loop_words(&margins.position),
+    )
+}
+
+fn loop_words(margins: &LoopMargins) -> String {
+    if margins.unstable.is_some() {
+        return "unstable".to_owned();
+    }
+    let gain = margins.gain_db.map_or("–".to_owned(), |(at, _)| format!("{:.1} dB", at.value));
+    let phase = margins.phase_deg.map_or("–".to_owned(), |(at, _)| format!("{:.0}°", at.value));
+    format!("{gain}, {phase}")
+}
+
+/// A contour error, or that there is none.
+fn um(contour_um: Option<f64>, decimals: usize) -> String {
+    contour_um.map_or("unstable".to_owned(), |um| format!("{um:.decimals$}"))
+}
+
+fn candidate_row(tried: &Tried) -> Option<String> {
+    let candidate = tried.candidate?;
+    let [law, feedback] = [candidate.law.word(), candidate.feedback.word()];
+    let gain = tried.machine.axis.values().next()?.settings.controller.position_gain_per_s?;
+    Some(format!(
+        "{law:>6}{feedback:>10}{:>8.0}{:>10}{gain:>10.1}{:>16}",
+        candidate.feedforward_percent,
+        if candidate.ahead_ticks > 0.0 {
+            format!("{} tick", candidate.ahead_ticks)
+        } else {
+            "–".to_owned()
+        },
+        um(tried.contour_um, 3)
+    ))
+}

@@ -1,0 +1,119 @@
+//! The fastest velocity loop of an axis with given margins.
+//!
+//! Ti follows from Kv: with the crossover at ωc = Kv/m, the corner of the integral part lies at ωc/4, where it takes
+//! atan(1/4) = 14° of phase.
+
+use std::f64::consts::TAU;
+
+use super::error::TuningError;
+use crate::margins::axis_margins::AxisLoops;
+use crate::margins::{MarginError, MarginLimits};
+use model::axis::{Filters, Settings};
+use model::machine::Machine;
+use plant::instruments::Instruments;
+
+/// Crossover over corner of the integral part.
+const INTEGRAL_RATIO: f64 = 4.0;
+
+/// Slowest crossover that is tried, rad/s.
+const SLOWEST_RAD_PER_S: f64 = 10.0;
+
+/// Ratio of two gains that are tried after each other.
+const STEP: f64 = 1.05;
+
+/// Greatest force of one count of the motor reading in one tick, as a fraction of the force limit: the noise of the reading is
+/// amplified by Kv.
+const MAX_FORCE_PER_COUNT: f64 = 0.01;
+
+/// Width of the notch over its centre, and its depth.
+const NOTCH: (f64, f64) = (0.5, 0.9);
+
+/// The least gain by which a notch has to raise Kv to be proposed.
+const MIN_GAIN_OF_NOTCH: f64 = 1.1;
+
+/// The machine with the fastest velocity loop on each axis.
+///
+/// # Errors
+/// If the machine lacks a key, or no gain of an axis has the margins.
+pub fn fastest(
+    machine: &Machine,
+    instruments: &Instruments,
+    limits: MarginLimits,
+) -> Result<Machine, TuningError> {
+    let mut tuned = machine.clone();
+    for index in 0..machine.axis.len() {
+        let usable = |settings: &Settings| -> Result<bool, MarginError> {
+            let mut tried = machine.clone();
+            tried.axis[index].settings = settings.clone();
+            let loops = AxisLoops::of_machine(&tried, instruments)?;
+            Ok(loops[index].velocity().meet(limits))
+        };
+        let settings = &machine.axis[index].settings;
+        let highest_gain = highest_for_noise(settings, machine.rates().velocity_loop_hz, instruments);
+        let plain = highest(settings, highest_gain, &usable)?;
+        let notched = match notch(settings, machine.rates().velocity_loop_hz) {
+            Some(filters) => highest(&Settings { filters, ..settings.clone() }, highest_gain, &usable)?,
+            None => None,
+        };
+        let gain = |settings: &Option<Settings>| {
+            settings.as_ref().and_then(|settings| settings.controller.velocity_gain_n_s_per_m).unwrap_or(0.0)
+        };
+        let best = if gain(&notched) >= MIN_GAIN_OF_NOTCH * gain(&plain) { notched } else { plain };
+        let axis = machine.axis.get_index(index).map_or("", |(name, _)| name).to_owned();
+        tuned.axis[index].settings = best.ok_or(TuningError::NoVelocityLoop { axis })?;
+    }
+    Ok(tuned)
+}
+
+/// The settings with the highest gain up to which every loop is usable; `None`: the lowest is not.
+fn highest(
+    settings: &Settings,
+    highest_gain: f64,
+    usable: &impl Fn(&Settings) -> Result<bool, MarginError>,
+) -> Result<Option<Settings>, MarginError> {
+    let mass_kg = total_mass_kg(settings);
+    let mut best = None;
+    let mut gain = SLOWEST_RAD_PER_S * mass_kg;
+    while gain <= highest_gain {
+        let mut tried = settings.clone();
+        tried.controller.velocity_gain_n_s_per_m = Some(gain);
+        tried.controller.velocity_integral_time_s = Some(INTEGRAL_RATIO * mass_kg / gain);
+        if !usable(&tried)? {
+            break;
+        }
+        best = Some(tried);
+        gain *= STEP;
+    }
+    Ok(best)
+}
+
+/// Motor and table, kg.
+fn total_mass_kg(settings: &Settings) -> f64 {
+    settings.mechanics.motor_mass_kg.unwrap_or(0.0) + settings.mechanics.table_mass_kg.unwrap_or(0.0)
+}
+
+/// Kv at which one count of the motor reading in one tick gives the force that is allowed for it; no bound without a force limit.
+fn highest_for_noise(settings: &Settings, velocity_loop_hz: f64, instruments: &Instruments) -> f64 {
+    let fastest = TAU * velocity_loop_hz * total_mass_kg(settings);
+    let count_m_per_s = instruments.motor.resolution.max(instruments.motor.noise) * velocity_loop_hz;
+    match settings.controller.force_limit_n {
+        Some(limit_n) if count_m_per_s > 0.0 => fastest.min(MAX_FORCE_PER_COUNT * limit_n / count_m_per_s),
+        _ => fastest,
+    }
+}
+
+/// The filters with a notch at the resonance of motor against table; `None`: the axis is rigid, has a notch already, or the
+/// resonance is beyond what the loop can filter.
+fn notch(settings: &Settings, velocity_loop_hz: f64) -> Option<Filters> {
+    let mechanics = &settings.mechanics;
+    let stiffness_n_per_m = 1e6 * mechanics.stiffness_n_per_um?;
+    let (motor_kg, table_kg) = (mechanics.motor_mass_kg?, mechanics.table_mass_kg?);
+    let frequency_hz = (stiffness_n_per_m * (1.0 / motor_kg + 1.0 / table_kg)).sqrt() / TAU;
+    let is_free = settings.filters.notch_frequency_hz.is_none() && frequency_hz < 0.25 * velocity_loop_hz;
+    is_free.then(|| Filters {
+        notch_frequency_hz: Some(frequency_hz),
+        notch_width_hz: Some(NOTCH.0 * frequency_hz),
+        notch_depth: Some(NOTCH.1),
+        ..settings.filters.clone()
+    })
+}
