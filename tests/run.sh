@@ -109,7 +109,7 @@ tests_of_host() {
 all_tests() {
   cargo test --release --test chip
   tests_of_host_without "${deep[@]}"
-  cargo test --release --test second_simulator --test textbook --test measured
+  cargo test --release --test second_simulator --test textbook --test measured --test rigid_bodies
   cargo test --release --doc
   cargo test --release --examples
 }

@@ -14,6 +14,7 @@
 //! | `circle_plots` | a circle, from `contour::circle_fit` and `radial_deviation` |
 //! | [`circle_page`] | a circle alone, and what it is made of |
 //! | [`positions_page`] | a positioning test: figures, deviation over position, and what it is made of |
+//! | [`volume_page`] | errors of geometry of three axes, over the position of each |
 //! | [`certificate`] | the verdict in one sentence, limits, machine and logs |
 //! | [`budget_page`], `budget_circle` | what each cause costs at the tool; the circle without each |
 //! | [`before_after`] | motions before, as predicted, and after a compensation |
@@ -40,6 +41,7 @@ mod tables;
 pub mod trace_page;
 mod variable;
 pub mod verification_page;
+pub mod volume_page;
 
 #[cfg(test)]
 mod tests;

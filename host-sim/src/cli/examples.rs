@@ -1,7 +1,7 @@
 //! Examples below the help of each verb.
 
 /// Verbs with lines that can be typed.
-pub const ALL: [(&str, &[&str]); 23] = [
+pub const ALL: [(&str, &[&str]); 24] = [
     (
         "trace",
         &[
@@ -24,6 +24,13 @@ pub const ALL: [(&str, &[&str]); 23] = [
         &[
             "lost-motion positions --fit x.csv --validate later.csv --report report",
             "lost-motion positions --fit laser.txt --map \"target_mm=Nominal position\" --map measured_mm=Laser --model found.toml",
+        ],
+    ),
+    (
+        "volume",
+        &[
+            "lost-motion volume --survey survey.toml --report report",
+            "lost-motion volume --survey survey.toml --out errors.csv --step 25 --format linuxcnc --out-dir remedy",
         ],
     ),
     (

@@ -8,7 +8,10 @@ use super::examples;
 
 /// Verbs by what one wants to do.
 const GROUPS: [(&str, &[&str]); 5] = [
-    ("Look at a log", &["trace", "circle", "positions", "budget", "history", "init", "import", "app"]),
+    (
+        "Look at a log",
+        &["trace", "circle", "positions", "volume", "budget", "history", "init", "import", "app"],
+    ),
     ("Make it better", &["compensate", "verify", "tune", "margins", "simulate", "improve"]),
     ("A servo board", &["record", "board"]),
     ("Papers and tests", &["demo", "compare", "reproduce", "sensors", "self-test"]),

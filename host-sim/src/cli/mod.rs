@@ -40,6 +40,7 @@ mod summary;
 mod trace;
 mod tune;
 mod verify;
+mod volume;
 
 use std::process::ExitCode;
 
@@ -72,6 +73,8 @@ enum Command {
     Circle(circle::Arguments),
     /// Evaluate a positioning test after ISO 230-2 and tell what the deviations are made of, without a machine file.
     Positions(positions::Arguments),
+    /// Tell which errors of geometry three axes have, from circles and positioning tests at several places, and write tables of them.
+    Volume(volume::Arguments),
     /// Turn the effects of a model into the compensation that the controller applies, and predict the contour error.
     Compensate(compensate::Arguments),
     /// Tell what makes a motion wrong at the tool: each cause of a model with its share in µm, and what to do about it.
@@ -125,6 +128,7 @@ pub fn run() -> ExitCode {
         Command::Board(verb) => board::run(&verb),
         Command::Circle(arguments) => circle::run(&arguments),
         Command::Positions(arguments) => positions::run(&arguments),
+        Command::Volume(arguments) => volume::run(&arguments),
         Command::Compensate(arguments) => compensate::run(&arguments),
         Command::Budget(arguments) => budget::run(&arguments),
         Command::History(arguments) => history::run(&arguments),

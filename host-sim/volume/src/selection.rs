@@ -1,0 +1,217 @@
+//! Which components the readings show: those that cannot be told from zero, though they are determined well, are left out of the fit.
+
+use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::component::{Axis, Component, Course, Kind};
+use super::field::{Geometry, Term};
+use super::fit::Fit;
+use super::measurement::{Group, Row};
+use super::vector::dot;
+
+/// Probability of chance below which a component is shown: 3.5 standard deviations.
+const CHANCE: f64 = 4.7e-4;
+
+/// Half of a 95 % interval, in standard deviations.
+pub const HALF_95: f64 = 1.96;
+
+/// Smallest part of what a term does somewhere in the volume that a reading must show.
+const LEAST_SEEN: f64 = 0.03;
+
+/// Widest half of an interval about zero, µm where it moves the tool most, of a component that is left out.
+const NEGLIGIBLE_UM: f64 = 2.0;
+
+/// What is told as one error: a component, or the squareness that is the slope of one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Item {
+    /// The component.
+    pub component: Component,
+    /// Whether it is the slope alone.
+    pub is_squareness: bool,
+}
+
+impl Item {
+    /// The item of a term; `None` if it is part of no result.
+    #[must_use]
+    pub fn of(term: Term) -> Option<Self> {
+        let is_squareness = term.component.has_squareness() && term.course == Course::Legendre(1);
+        (term.course != Course::EitherCubic).then_some(Self { component: term.component, is_squareness })
+    }
+}
+
+/// What a fit says of an item.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// It is there.
+    Yes,
+    /// It is determined, and not told from zero.
+    No,
+    /// The measurements do not determine it.
+    Open,
+}
+
+/// The items of terms, each once.
+#[must_use]
+pub fn items(terms: &[Term]) -> Vec<Item> {
+    let mut items: Vec<Item> = terms.iter().filter_map(|term| Item::of(*term)).collect();
+    items.sort();
+    items.dedup();
+    items
+}
+
+/// The indices of the terms of an item.
+#[must_use]
+pub fn of_item(terms: &[Term], item: Item) -> Vec<usize> {
+    (0..terms.len()).filter(|index| Item::of(terms[*index]) == Some(item)).collect()
+}
+
+/// What a fit says of an item.
+#[must_use]
+pub fn shown(fit: &Fit, item: Item) -> Shown {
+    let own = of_item(&fit.terms, item);
+    if own.is_empty() || own.iter().any(|term| !fit.is_determined[*term]) {
+        Shown::Open
+    } else if chance(fit, &own) < CHANCE {
+        Shown::Yes
+    } else {
+        Shown::No
+    }
+}
+
+/// What the readings show.
+#[derive(Clone, Debug)]
+pub struct Selected {
+    /// The fit of what is kept.
+    pub fit: Fit,
+    /// What was left out as not told from zero, with the furthest that it may move the tool, µm.
+    pub small: Vec<(Item, f64)>,
+    /// Components whose course of the highest degree was left out because the readings do not determine it.
+    pub simpler: Vec<Component>,
+}
+
+/// Fits all terms, and leaves out, one after the other, what is not told from zero and negligible.
+///
+/// A course of the highest degree that is not determined is left out first: circles about one centre cannot tell the cubic bends of two
+/// axes from their squareness (sin θ · cos³ θ + cos θ · sin³ θ = sin θ · cos θ), and a guideway that is smooth has little of it. Their
+/// difference is fitted, and told of neither.
+#[must_use]
+pub fn fitted(geometry: &Geometry, groups: &[Group]) -> Selected {
+    let rows: Vec<Row> =
+        groups.iter().filter(|group| !group.is_held_out).flat_map(|group| group.rows.clone()).collect();
+    let mut seen = geometry.terms();
+    seen.retain(|term| is_seen(geometry, *term, &rows));
+    let mut fit = Fit::of(geometry, seen, groups);
+    let mut simpler = Vec::new();
+    let is_rotation = |term: Term| matches!(term.component.kind, Kind::About(_));
+    let stages = [(false, 3), (true, 3), (true, 2)];
+    for (is_of_rotations, degree) in stages {
+        let is_highest =
+            |term: Term| is_rotation(term) == is_of_rotations && term.course == Course::Legendre(degree);
+        let planes = open_planes(&fit);
+        let is_open = |index: &usize| {
+            let term = fit.terms[*index];
+            is_highest(term) && (!fit.is_determined[*index] || planes.iter().any(|plane| is_in(term, *plane)))
+        };
+        let open: Vec<usize> = (0..fit.terms.len()).filter(is_open).collect();
+        if open.is_empty() {
+            continue;
+        }
+        simpler.extend(open.iter().map(|index| fit.terms[*index].component));
+        let of = |index: usize| {
+            let term = fit.terms[index];
+            let is_other = planes
+                .iter()
+                .any(|plane| is_straightness_in(term, *plane) && term.component.moved == plane[0]);
+            match open.contains(&index) {
+                false => Some(term),
+                true if is_other => Some(Term { course: Course::EitherCubic, ..term }),
+                true => None,
+            }
+        };
+        fit = Fit::of(geometry, (0..fit.terms.len()).filter_map(of).collect(), groups);
+    }
+    let mut small = Vec::new();
+    loop {
+        let of = |item: Item| {
+            let bound = bound(&fit, geometry, groups, item);
+            let own = of_item(&fit.terms, item);
+            (shown(&fit, item) == Shown::No && bound <= NEGLIGIBLE_UM)
+                .then(|| (chance(&fit, &own), item, bound))
+        };
+        let worst = items(&fit.terms).into_iter().filter_map(of).max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((_, item, bound_um)) = worst else { return Selected { fit, small, simpler } };
+        small.push((item, bound_um));
+        let kept = fit.terms.iter().copied().filter(|term| Item::of(*term) != Some(item)).collect();
+        fit = Fit::of(geometry, kept, groups);
+    }
+}
+
+/// Whether any reading shows more than a trace of what a term does somewhere in the measured volume: an unknown of which only a trace is seen
+/// could be of any size.
+fn is_seen(geometry: &Geometry, term: Term, rows: &[Row]) -> bool {
+    let along = |row: &Row| dot(row.direction, geometry.effect_um(term, row.at_mm)).abs();
+    let corners = (0..8).map(|corner| {
+        [0, 1, 2].map(|axis| {
+            let range = &geometry.ranges[axis];
+            if corner >> axis & 1 == 0 { range.low_mm } else { range.high_mm }
+        })
+    });
+    let anywhere = corners.map(|at_mm| numerics::max_abs(geometry.effect_um(term, at_mm)));
+    numerics::max(rows.iter().map(along)) > LEAST_SEEN * numerics::max(anywhere)
+}
+
+/// The planes whose squareness is not determined.
+fn open_planes(fit: &Fit) -> Vec<[Axis; 2]> {
+    let open = fit.terms.iter().zip(&fit.is_determined).filter(|(term, is_determined)| {
+        !**is_determined && Item::of(**term).is_some_and(|item| item.is_squareness)
+    });
+    open.filter_map(|(term, _)| match term.component.kind {
+        Kind::Along(axis) => Some([axis, term.component.moved]),
+        Kind::About(_) => None,
+    })
+    .collect()
+}
+
+/// Whether a term is the straightness of one axis of a plane in the other.
+fn is_straightness_in(term: Term, [first, second]: [Axis; 2]) -> bool {
+    let (moved, kind) = (term.component.moved, term.component.kind);
+    moved == first && kind == Kind::Along(second) || moved == second && kind == Kind::Along(first)
+}
+
+/// Whether a term is the straightness of one axis of a plane in the other, or a rotation of one of them.
+fn is_in(term: Term, plane: [Axis; 2]) -> bool {
+    let is_rotation = matches!(term.component.kind, Kind::About(_));
+    is_straightness_in(term, plane) || is_rotation && plane.contains(&term.component.moved)
+}
+
+/// Probability of such values by chance, if the item were zero.
+fn chance(fit: &Fit, terms: &[usize]) -> f64 {
+    let values = DVector::from_fn(terms.len(), |index, _| fit.values[terms[index]]);
+    let covariance = DMatrix::from_fn(terms.len(), terms.len(), |a, b| fit.covariance[(terms[a], terms[b])]);
+    let Some(inverse) = covariance.try_inverse() else { return 1.0 };
+    let square = (values.transpose() * inverse * &values)[(0, 0)];
+    ChiSquared::new(terms.len() as f64).map_or(1.0, |law| law.sf(square.max(0.0)))
+}
+
+/// The furthest that an item may move the tool at any reading, µm: its value and half of its 95 % interval.
+#[must_use]
+pub fn bound(fit: &Fit, geometry: &Geometry, groups: &[Group], item: Item) -> f64 {
+    let own = of_item(&fit.terms, item);
+    let rows = groups.iter().filter(|group| !group.is_held_out).flat_map(|group| &group.rows);
+    numerics::max(rows.map(|row| {
+        let effects: Vec<[f64; 3]> =
+            own.iter().map(|term| geometry.effect_um(fit.terms[*term], row.at_mm)).collect();
+        let along = |axis: usize| {
+            let part: Vec<f64> = effects.iter().map(|effect| effect[axis]).collect();
+            let value: f64 = part.iter().zip(&own).map(|(part, term)| part * fit.values[*term]).sum();
+            let mut variance = 0.0;
+            for (a, first) in own.iter().enumerate() {
+                for (b, second) in own.iter().enumerate() {
+                    variance += part[a] * part[b] * fit.covariance[(*first, *second)];
+                }
+            }
+            value.abs() + HALF_95 * variance.max(0.0).sqrt()
+        };
+        numerics::max([0, 1, 2].map(along))
+    }))
+}

@@ -1,0 +1,62 @@
+//! Reads the files of a survey.
+
+use circle::measured::Measured;
+use circle::radius_table::Nominal;
+use files::error::InputError;
+use files::head::Head;
+use files::table::Table;
+use import::any_log::{self, Content};
+use import::budget::Budget;
+use import::request::Request;
+
+use super::measurement::Group;
+use super::survey::{Measurement, Survey, What};
+
+/// The measurements of a survey as equations.
+///
+/// # Errors
+/// The first file that is not what the survey says.
+pub fn read(survey: &Survey) -> Result<Vec<Group>, InputError> {
+    survey.measurements.iter().map(group).collect()
+}
+
+fn group(measurement: &Measurement) -> Result<Group, InputError> {
+    match measurement.what {
+        What::Positioning(axis) => {
+            let path = &measurement.files[0];
+            let source = path.display().to_string();
+            let bytes = Budget::file().read(Head::open(path, &source)?.into_input(), &source)?;
+            let test = positions::read(&bytes, &source, &positions::columns::Request::default())?;
+            Group::of_test(&test, axis, measurement)
+        }
+        What::Circle { plane, radius_mm } => {
+            let (measured, notes) = circle_of(measurement, radius_mm)?;
+            let mut group = Group::of_circle(&measured, plane, measurement)?;
+            group.notes.splice(0..0, notes);
+            Ok(group)
+        }
+    }
+}
+
+/// A circle from one or two logs, or from one or two tables of radii, with what was assumed of the files.
+fn circle_of(
+    measurement: &Measurement,
+    radius_mm: Option<f64>,
+) -> Result<(Measured, Vec<String>), InputError> {
+    let sources: Vec<String> = measurement.files.iter().map(|path| path.display().to_string()).collect();
+    let (mut tables, mut logs, mut all_notes) = (Vec::new(), Vec::new(), Vec::new());
+    for (path, source) in measurement.files.iter().zip(&sources) {
+        match any_log::content(Head::open(path, source)?, source, &Request::default())? {
+            Content::Log(imported) => {
+                all_notes.extend(imported.notes);
+                logs.push(imported.log);
+            }
+            Content::Radii(input, notes) => {
+                all_notes.extend(notes);
+                tables.push((Table::of_input(input, source)?, source.clone()));
+            }
+        }
+    }
+    let nominal = Nominal { radius_mm, ..Nominal::default() };
+    Ok((Measured::of_files(&logs, tables, nominal)?, all_notes))
+}
