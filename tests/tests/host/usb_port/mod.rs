@@ -159,7 +159,7 @@ impl Board {
             self.rig.plant.step();
             self.rig.drive.tick(&mut self.rig.plant);
             self.ports.usb_port().unwrap().poll();
-            self.ports.service(|| self.rig.drive.host_is_silent());
+            self.ports.service(&mut self.rig.drive);
             self.rig.server.poll(&mut self.ports, &mut self.rig.drive, &mut self.rig.memory);
         }
     }
