@@ -1,6 +1,7 @@
 //! Drives under the control of a host: what runs in every tick.
 
 mod halts;
+mod rest;
 mod settings;
 mod status;
 
