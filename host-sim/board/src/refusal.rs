@@ -71,7 +71,9 @@ pub fn text(refusal: &Refusal) -> String {
 #[must_use]
 pub const fn halted_by_other(halt: Halt) -> &'static str {
     match halt {
-        Halt::Hold => "another program has held the path: `board resume` continues it, `board stop` discards it",
+        Halt::Hold => {
+            "another program has held the path: `board resume` continues it, `board stop` discards it"
+        }
         Halt::Stop => "another program has stopped it: the rest of the path is discarded",
         Halt::Disable => "another program has switched the drives off",
     }

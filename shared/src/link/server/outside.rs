@@ -60,12 +60,7 @@ impl ServerState {
         true
     }
 
-    fn halt_outside<'m, S: Scalar>(
-        &self,
-        halt: Halt,
-        header: Header,
-        drive: &mut impl SharedDrive<'m, S>,
-    ) {
+    fn halt_outside<'m, S: Scalar>(&self, halt: Halt, header: Header, drive: &mut impl SharedDrive<'m, S>) {
         // A host that has lost count is still the host.
         let is_host = self.session.is_present(header);
         drive.with(|drive| if is_host { drive.halt(halt) } else { drive.halt_from_outside(halt) });
@@ -82,7 +77,8 @@ impl ServerState {
     ) -> Option<Reply> {
         Some(match request {
             Request::Status => {
-                let status = drive.with(|drive: &mut HostedDrive<'m, S, _>| drive.status(counts, self.report));
+                let status =
+                    drive.with(|drive: &mut HostedDrive<'m, S, _>| drive.status(counts, self.report));
                 Reply::Status(Status { usb: self.usb, ..status })
             }
             Request::FaultHistory => {

@@ -69,7 +69,7 @@ fn an_interrupt_of_a_motion_leaves_standing_axes() {
 fn an_interrupt_of_a_recording_leaves_standing_axes_and_no_log() {
     let Some(board) = EmulatedBoard::armed() else { return };
     let motion = board.at_start_of_travel();
-    let recording = board.start(&format!("record --port bench --motion {motion} --out travel.csv"));
+    let recording = board.start(&format!("record --port bench --motion {motion} --out travel.csv --yes"));
     // Of 7 s of motion.
     sleep(Duration::from_secs(2));
     interrupt(&recording);
