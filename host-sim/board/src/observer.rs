@@ -5,6 +5,7 @@
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use files::error::quoted;
 use shared::link::history::HistoryEntry;
 use shared::link::message::{Halt, Reply, Request};
 use shared::link::{Status, Welcome};
@@ -16,6 +17,9 @@ use crate::open;
 /// Longest wait for the port after the program that has held it has ended.
 const CHANGE_TIMEOUT: Duration = Duration::from_secs(3);
 
+/// Longest wait for a reply through another program of this computer.
+const PASSED_ON_TIMEOUT: Duration = Duration::from_millis(500);
+
 /// Time between two attempts.
 const RETRY: Duration = Duration::from_millis(20);
 
@@ -25,6 +29,8 @@ pub struct Observer {
     name: String,
     timeout: Duration,
     client: Client,
+    /// The program that passes its requests on, if it is not this one.
+    holder: Option<String>,
 }
 
 impl Observer {
@@ -33,8 +39,10 @@ impl Observer {
     /// # Errors
     /// [`BoardError`].
     pub fn open(name: &str, timeout: Duration) -> Result<Self, BoardError> {
-        let client = Client::without_session(open::observe(name)?, timeout)?;
-        Ok(Self { name: name.to_owned(), timeout, client })
+        let (port, holder) = open::observe(name)?;
+        let timeout_there = if holder.is_some() { timeout.min(PASSED_ON_TIMEOUT) } else { timeout };
+        let client = Client::without_session(port, timeout_there)?;
+        Ok(Self { name: name.to_owned(), timeout, client, holder })
     }
 
     /// Holds, stops or disables.
@@ -86,16 +94,20 @@ impl Observer {
     fn ask(&mut self, request: &Request) -> Result<Reply, BoardError> {
         let started = Instant::now();
         loop {
-            let error = match self.client.request(request) {
-                Err(error @ BoardError::Link(_)) => error,
-                other => return other,
+            let error = match (self.client.request(request), &self.holder) {
+                (Err(error @ BoardError::Link(_)), _) => error,
+                (Err(BoardError::Silent { .. }), Some(holder)) => {
+                    let (port, holder) = (quoted(&self.name), holder.clone());
+                    return Err(BoardError::PassesNothingOn { port, holder });
+                }
+                (other, _) => return other,
             };
             if started.elapsed() > CHANGE_TIMEOUT {
                 return Err(error);
             }
             sleep(RETRY);
-            if let Ok(port) = open::observe(&self.name) {
-                self.client = Client::without_session(port, self.timeout)?;
+            if let Ok(again) = Self::open(&self.name, self.timeout) {
+                *self = again;
             }
         }
     }

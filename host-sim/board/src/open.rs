@@ -37,20 +37,20 @@ pub fn open(name: &str) -> Result<Port, BoardError> {
     place.open(lock)
 }
 
-/// Opens a port, or a connection to the program that holds it, for what needs no session.
+/// Opens a port, or a connection to the program that holds it, for what needs no session. Returns that program, in words.
 ///
 /// # Errors
 /// As [`open`]; [`BoardError::PassesNothingOn`] if the program that holds the port cannot be asked.
-pub fn observe(name: &str) -> Result<Port, BoardError> {
+pub fn observe(name: &str) -> Result<(Port, Option<String>), BoardError> {
     let place = Place::of(name)?;
     let started = Instant::now();
     loop {
         let holder = match PortLock::take(&place.lock()) {
-            Ok(lock) => return place.open(lock),
+            Ok(lock) => return Ok((place.open(lock)?, None)),
             Err(holder) => holder,
         };
         if let Ok(port) = broker::connect(&place.lock()) {
-            return Ok(port);
+            return Ok((port, Some(holder)));
         }
         // It has just locked the port, or is about to end.
         if started.elapsed() > LISTEN_TIMEOUT {

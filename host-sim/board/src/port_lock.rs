@@ -99,7 +99,7 @@ mod tests {
     use super::*;
 
     /// A folder of this test, which ends with it.
-    struct Folder(std::path::PathBuf);
+    struct Folder(PathBuf);
 
     impl Drop for Folder {
         fn drop(&mut self) {

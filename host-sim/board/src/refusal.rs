@@ -74,7 +74,7 @@ pub const fn halted_by_other(halt: Halt) -> &'static str {
         Halt::Hold => {
             "another program has held the path: `board resume` continues it, `board stop` discards it"
         }
-        Halt::Stop => "another program has stopped it: the rest of the path is discarded",
+        Halt::Stop => "another program has stopped the motion; the rest of the path is discarded",
         Halt::Disable => "another program has switched the drives off",
     }
 }

@@ -142,7 +142,7 @@ fn requests_without_a_session_are_no_sign_of_life() {
         let start = rig.drive.now();
         while rig.drive.machine().power().is_on() {
             rig.run(1);
-            if (rig.drive.now() - start) % 500 == 0
+            if (rig.drive.now() - start).is_multiple_of(500)
                 && let Some(request) = &request
             {
                 rig.line.to_board.extend(frame(Header::without_session(8), request));

@@ -12,7 +12,7 @@ mod upload;
 mod waiting;
 
 use super::HostedDrive;
-use super::message::{AXES, BoardSettings, FromBoard, Halt, Reply, Request};
+use super::message::{AXES, BoardSettings, FromBoard, Reply, Request};
 use super::packet::{self, Frame, Header, Packet, PacketError, VERSION};
 use super::port::{BytePort, SharedDrive};
 use super::receiver::{LinkCounts, Receiver};
@@ -263,6 +263,10 @@ impl ServerState {
         if let Some(reply) = self.look(request, counts, drive) {
             return reply;
         }
+        if let Some(halt) = request.halt() {
+            drive.with(|drive| drive.halt(halt));
+            return Reply::Done;
+        }
         let done = match request {
             Request::Capture => {
                 return Reply::Capture(drive.with(|drive| recording::report(drive.capture())));
@@ -273,14 +277,14 @@ impl ServerState {
             | Request::BeginSave
             | Request::Save
             | Request::Apply { .. }
+            | Request::Hold
+            | Request::Stop
+            | Request::Disable
             | Request::Status
             | Request::FaultHistory
             | Request::Identify => Err(Refusal::Unreadable),
             Request::Enable => drive.with(HostedDrive::enable),
             Request::Clear => drive.with(HostedDrive::clear),
-            Request::Hold => halt(Halt::Hold, drive),
-            Request::Stop => halt(Halt::Stop, drive),
-            Request::Disable => halt(Halt::Disable, drive),
             Request::Resume => drive.with(HostedDrive::resume),
             Request::Jog(jog) => self.jog(jog, drive),
             Request::CheckDirection { axis, settings } => {
@@ -306,11 +310,6 @@ impl ServerState {
         };
         done.map_or_else(Reply::Refused, |()| Reply::Done)
     }
-}
-
-fn halt<'m, S: Scalar>(halt: Halt, drive: &mut impl SharedDrive<'m, S>) -> Result<(), Refusal> {
-    drive.with(|drive| drive.halt(halt));
-    Ok(())
 }
 
 /// Writes a reply to `out`.
