@@ -189,6 +189,7 @@ fn run() -> Option<()> {
 }
 
 /// Sets how many ticks a tick stands for.
+#[inline(never)]
 fn set_pace(timer: &mut SYST, ticks: u32) {
     interrupt::free(|_| {
         if PACE.load(Ordering::Relaxed) != ticks {

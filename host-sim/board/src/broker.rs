@@ -32,6 +32,7 @@ pub use platform::Broker;
 mod platform {
     use std::fs;
     use std::io::{self, Write};
+    use std::os::unix::fs::PermissionsExt;
     use std::os::unix::net::{UnixListener, UnixStream};
     use std::path::{Path, PathBuf};
     use std::sync::Arc;
@@ -67,6 +68,7 @@ mod platform {
             // One that a program has left that was killed: its lock is ours now.
             let _ = fs::remove_file(&socket);
             let listener = UnixListener::bind(&socket)?;
+            fs::set_permissions(&socket, fs::Permissions::from_mode(0o600))?;
             let ends = Arc::new(AtomicBool::new(false));
             let ended = Arc::clone(&ends);
             let listener = thread::spawn(move || {

@@ -173,3 +173,115 @@ impl Router {
         true
     }
 }
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::io::Read;
+    use std::os::unix::net::UnixStream;
+
+    use super::*;
+    use shared::link::message::{Halt, Reply};
+    use shared::link::{Receiver as PacketReceiver, Refusal};
+
+    /// The board's end of a line.
+    struct Line {
+        stream: UnixStream,
+        receiver: PacketReceiver,
+    }
+
+    impl Line {
+        /// The next request.
+        fn request(&mut self) -> (Header, Request) {
+            let mut byte = [0];
+            loop {
+                self.stream.read_exact(&mut byte).unwrap();
+                if let Some(packet) = self.receiver.push(byte[0]) {
+                    let packet = packet.unwrap();
+                    return (packet.header, packet::message(packet.message).unwrap());
+                }
+            }
+        }
+
+        fn reply(&mut self, header: Header, reply: Reply) {
+            let mut frame = Frame::new();
+            packet::encode(header, &FromBoard::Reply(reply), &mut frame).unwrap();
+            self.stream.write_all(&frame).unwrap();
+        }
+    }
+
+    fn shared() -> (Shared, Guests, Line) {
+        let (ours, stream) = UnixStream::pair().unwrap();
+        ours.set_read_timeout(Some(READ_TIMEOUT)).unwrap();
+        let Ok((shared, guests)) = share(Box::new(ours)) else { panic!("a socket can be shared") };
+        (shared, guests, Line { stream, receiver: PacketReceiver::NEW })
+    }
+
+    /// What the program itself receives until a number of frames has ended.
+    fn own(shared: &mut Shared, frames: usize) -> Vec<u8> {
+        let mut all = Vec::new();
+        let mut bytes = [0; 64];
+        while all.iter().filter(|byte| **byte == 0).count() < frames {
+            let count = shared.receive(&mut bytes).unwrap();
+            all.extend_from_slice(&bytes[..count]);
+        }
+        all
+    }
+
+    /// While the program waits for a reply, a guest's halt is on the line; each gets its own reply, in whatever order, and the program
+    /// not a byte of the guest's. A reply that nobody waits for is the program's.
+    #[test]
+    fn a_guest_does_not_wait_for_the_program_and_each_gets_its_own_reply() {
+        let (mut shared, guests, mut line) = shared();
+        let mut frame = Frame::new();
+        let session = Header { session: 7, sequence: 1 };
+        packet::encode(session, &Request::Status, &mut frame).unwrap();
+        shared.send(&frame).unwrap();
+        let asked = Halt::ALL.map(|halt| guests.ask(&halt.request()).unwrap());
+        assert_eq!(line.request(), (session, Request::Status));
+        let headers = Halt::ALL.map(|halt| {
+            let (header, request) = line.request();
+            assert_eq!((header.session, request), (0, halt.request()));
+            header
+        });
+        line.reply(headers[2], Reply::Done);
+        line.reply(session, Reply::Done);
+        line.reply(headers[0], Reply::Refused(Refusal::OtherPort));
+        line.reply(Header::without_session(0), Reply::Refused(Refusal::Session));
+        guests.forget(headers[1].sequence);
+        line.reply(headers[1], Reply::Done);
+        let mut expected = Vec::new();
+        for (header, reply) in [
+            (session, Reply::Done),
+            (Header::without_session(0), Reply::Refused(Refusal::Session)),
+            (headers[1], Reply::Done),
+        ] {
+            packet::encode(header, &FromBoard::Reply(reply), &mut frame).unwrap();
+            expected.extend_from_slice(&frame);
+        }
+        assert_eq!(own(&mut shared, 3), expected);
+        let replies = asked.map(|(_, reply)| reply.try_recv().ok());
+        let refused = FromBoard::Reply(Reply::Refused(Refusal::OtherPort));
+        assert_eq!(replies, [Some(refused), None, Some(FromBoard::Reply(Reply::Done))]);
+    }
+
+    /// Garbage without a zero is passed on before it fills the memory, and the end of the port is that of the program.
+    #[test]
+    fn garbage_and_the_end_of_the_port_reach_the_program() {
+        let (mut shared, _guests, mut line) = shared();
+        line.stream.write_all(&[1; 3 * MAX_FRAME]).unwrap();
+        let mut bytes = [0; 4 * MAX_FRAME];
+        let mut received = 0;
+        while received == 0 {
+            received = shared.receive(&mut bytes).unwrap();
+        }
+        assert!(received > MAX_FRAME && bytes[..received].iter().all(|byte| *byte == 1), "{received}");
+        drop(line);
+        let error = loop {
+            match shared.receive(&mut bytes) {
+                Ok(_) => {}
+                Err(error) => break error,
+            }
+        };
+        assert_eq!(error.kind(), io::ErrorKind::UnexpectedEof);
+    }
+}

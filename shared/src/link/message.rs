@@ -112,7 +112,7 @@ pub enum Request {
     Disable,
     /// Acknowledges a fault.
     Clear,
-    /// Feed hold: decelerates along the path, drives on.
+    /// Feed hold: decelerates along the path, drives on. Ends a direction check.
     Hold,
     /// Continues after a hold.
     Resume,

@@ -94,6 +94,8 @@ pub struct MessageTooLong;
 ///
 /// # Errors
 /// [`MessageTooLong`] beyond [`MAX_MESSAGE`].
+// Not inlined: one copy of it for all replies in the flash of a board.
+#[inline(never)]
 pub fn encode(header: Header, message: &impl Serialize, frame: &mut Frame) -> Result<(), MessageTooLong> {
     encode_version(VERSION, header, message, frame)
 }

@@ -119,6 +119,8 @@ impl<'r, A: BytePort, B: BytePort> TwoPorts<'r, A, B> {
     }
 
     /// The next packet at the port that is not selected.
+    // Not inlined, as `select_other` and `answer`: request and frame are not on the stack while a request is executed.
+    #[inline(never)]
     fn receive(&mut self) -> Option<Received> {
         let usb = self.usb.as_mut()?;
         for _ in 0..BYTES_PER_CALL {
@@ -144,7 +146,6 @@ impl<'r, A: BytePort, B: BytePort> TwoPorts<'r, A, B> {
         None
     }
 
-    // Not inlined, as `answer`: the frame is not on the stack while a request is executed.
     #[inline(never)]
     fn select_other(&mut self, header: Header, nonce: u32) {
         let mut frame = Frame::new();

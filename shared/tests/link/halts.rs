@@ -177,19 +177,21 @@ fn what_changes_nothing_needs_no_session() {
     assert_eq!(rig.request(&jog_by(1e-3)), Reply::Done);
 }
 
-/// A direction check that waits for the switch is ended by a disable and a stop: closing the switch pushes nothing.
+/// A direction check that waits for the switch is ended by each halt: closing the switch pushes nothing. Without one it does.
 #[test]
 fn a_direction_check_is_ended_from_outside() {
     let settings = DirectionCheckSettings { force_n: 40.0, time_s: 0.2, detect_m: 1e-4 };
-    for (halt, ended) in [(Halt::Hold, false), (Halt::Stop, true), (Halt::Disable, true)] {
+    for halt in [None, Some(Halt::Hold), Some(Halt::Stop), Some(Halt::Disable)] {
         let mut rig = Rig::new();
         assert_eq!(rig.request(&Request::CheckDirection { axis: 0, settings }), Reply::Done);
-        assert_eq!(rig.send(Header::without_session(1), &halt.request()), Reply::Done);
+        if let Some(halt) = halt {
+            assert_eq!(rig.send(Header::without_session(1), &halt.request()), Reply::Done);
+            assert_eq!(rig.refusal(&Request::Status), Refusal::HaltedByOther(halt));
+        }
         rig.close_switch();
         rig.run(4000);
-        assert_eq!(rig.plant.position_m[0] > 0.0, !ended, "{halt:?}");
-        let _ = rig.request(&Request::Status);
-        let result = if ended { DirectionResult::Aborted } else { DirectionResult::Ok };
+        assert_eq!(rig.plant.position_m[0] > 0.0, halt.is_none(), "{halt:?}");
+        let result = if halt.is_some() { DirectionResult::Aborted } else { DirectionResult::Ok };
         assert_eq!(rig.status().direction, DirectionReport::Ended { axis: 0, result }, "{halt:?}");
     }
 }

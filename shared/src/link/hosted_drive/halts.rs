@@ -6,8 +6,9 @@ use crate::safety::Power;
 use crate::scalar::Scalar;
 
 impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
-    /// Holds the path.
+    /// Holds the path, and ends a direction check, which has none.
     pub fn hold(&mut self) {
+        self.system.stop_direction_check();
         if self.is_at_rest().is_err() {
             self.machine_mut().hold();
         }

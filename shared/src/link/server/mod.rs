@@ -139,6 +139,8 @@ impl Server {
         }
     }
 
+    // Not inlined: it is called several times.
+    #[inline(never)]
     fn flush(&mut self, port: &mut impl BytePort) {
         if let Some(rest) = self.out.get(self.sent..).filter(|rest| !rest.is_empty()) {
             self.sent += port.write(rest);
@@ -171,9 +173,7 @@ impl ServerState {
         let request = packet::message::<Request>(packet.message);
         if let Ok(Request::Hello { nonce }) = request {
             access.memory.discard();
-            let reply = self.hello(nonce, access.drive);
-            let session = self.session.number();
-            send(Header { session, sequence: packet.header.sequence }, reply, out);
+            self.greet(nonce, packet.header.sequence, access.drive, out);
             return;
         }
         match self.session.judge(&packet) {
@@ -204,7 +204,14 @@ impl ServerState {
     }
 
     /// Opens a session. The stream of the previous one ends.
-    fn hello<'m, S: Scalar>(&mut self, nonce: u32, drive: &mut impl SharedDrive<'m, S>) -> Reply {
+    #[inline(never)]
+    fn greet<'m, S: Scalar>(
+        &mut self,
+        nonce: u32,
+        sequence: u32,
+        drive: &mut impl SharedDrive<'m, S>,
+        out: &mut Frame,
+    ) {
         let now = drive.with(|drive| {
             drive.stream().start(0);
             drive.greeted();
@@ -212,7 +219,7 @@ impl ServerState {
         });
         #[expect(clippy::cast_possible_truncation, reason = "the low half differs from run to run")]
         let session = self.session.hello(nonce, now as u32);
-        self.welcome(session, drive)
+        send(Header { session, sequence }, self.welcome(session, drive), out);
     }
 
     /// What the board is.

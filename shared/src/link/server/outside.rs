@@ -20,8 +20,10 @@ use super::send;
 use super::state::ServerState;
 use crate::scalar::Scalar;
 
+// Not inlined: their messages are not on the stack while a compensation is converted.
 impl ServerState {
     /// Answers a request that was refused as one of the session.
+    #[inline(never)]
     pub(super) fn execute_outside<'m, S: Scalar>(
         &self,
         request: &Request,
@@ -38,6 +40,7 @@ impl ServerState {
     }
 
     /// Executes a halt although the reply to a request before it has not been sent. False for anything else, and for a repetition.
+    #[inline(never)]
     pub(super) fn halt_at_once<'m, S: Scalar>(
         &mut self,
         packet: &Packet<'_>,
@@ -67,7 +70,6 @@ impl ServerState {
     }
 
     /// Answers a request that changes nothing; `None` for any other.
-    // Not inlined, as the functions that execute requests.
     #[inline(never)]
     pub(super) fn look<'m, S: Scalar>(
         &self,
