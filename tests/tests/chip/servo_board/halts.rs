@@ -226,8 +226,9 @@ fn replies(receiver: &mut Receiver, bytes: &[u8]) -> Vec<Reply> {
     replies
 }
 
-/// On the emulated board, beside a stream: a status, a stop and a status in one piece, without a session. By the ticks of both
-/// statuses the stop was executed and answered within 2 ms. Its line has no rate; that of a real board is in `shared/tests/link/halts.rs`.
+/// On the emulated board: a status, a stop and a status in one piece, without a session. By the ticks of both statuses the stop was
+/// executed and answered within 2 ms, although it has arrived while the first reply was being sent. Its line has no rate; that of a real
+/// board, with a stream, is in `shared/tests/link/halts.rs`.
 #[test]
 fn a_stop_is_executed_and_answered_within_two_milliseconds() {
     let Some(board) = EmulatedBoard::armed() else { return };
@@ -253,9 +254,7 @@ fn a_stop_is_executed_and_answered_within_two_milliseconds() {
     let ticks_per_ms = welcome.rates.velocity_loop_hz / 1e3;
     let session = |sequence| Header { session: welcome.session, sequence };
     let jog = Jog { axis: 0, distance_m: Some(0.06), velocity_m_per_s: 0.01, acceleration_m_per_s2: 0.5 };
-    for (number, request) in
-        (1..).zip([Request::Enable, Request::Stream { decimation: 5 }, Request::Jog(jog)])
-    {
+    for (number, request) in (1..).zip([Request::Enable, Request::Jog(jog)]) {
         assert_eq!(exchange(&[frame(session(number), &request)], 1), [Reply::Done]);
         sleep(Duration::from_millis(100));
     }
