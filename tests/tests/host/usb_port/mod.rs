@@ -228,22 +228,22 @@ fn packets(replies: &[Reply]) -> Vec<u32> {
     replies.iter().map(of).collect()
 }
 
-/// A host that takes nothing for some time: one request waits until its first reply has gone. A further one, which a host does not have, is
+/// A host that takes nothing for some time: one request waits until the reply before it has gone. A further one, which a host does not have, is
 /// not answered, and executed when it is repeated. The board goes on reading: a stop would act.
 #[test]
 fn a_host_that_is_slow_loses_nothing() {
     let mut board = Board::new();
     board.hello(1);
-    for _ in 0..3 {
+    for _ in 0..4 {
         board.header.sequence += 1;
         board.send(&Request::Status);
     }
     board.run(200);
     assert!(board.bus.wires().out[&DATA_OUT].is_empty(), "the board reads everything");
-    // Two hellos and no status; those and three statuses.
-    assert_eq!(packets(&board.replies(200)), [2, 5]);
+    // Two hellos; a reply that the bus has taken, one that is being sent, and one that has waited until all four had been read.
+    assert_eq!(packets(&board.replies(200)), [2, 3, 6]);
     board.send(&Request::Status);
-    assert_eq!(packets(&board.replies(200)), [5]);
+    assert_eq!(packets(&board.replies(200)), [6]);
 }
 
 /// Replies for a program that has closed the port are discarded: the next program gets none of them.
