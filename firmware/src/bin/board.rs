@@ -59,7 +59,7 @@ mod app {
         drive: &mut impl SharedDrive<'static, Fixed>,
         memory: &mut SettingsMemory<SettingsFlash<W>>,
     ) {
-        usb::service(ports, || drive.with(|drive| drive.host_is_silent()));
+        usb::service(ports, drive);
         server.poll(ports, drive, memory);
     }
 

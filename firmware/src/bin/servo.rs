@@ -6,10 +6,11 @@
 #![no_main]
 
 use core::cell::RefCell;
+use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m::interrupt::{self, Mutex};
 use cortex_m::peripheral::syst::SystClkSource;
-use cortex_m::peripheral::{NVIC, SCB};
+use cortex_m::peripheral::{NVIC, SCB, SYST};
 use cortex_m_rt::{entry, exception};
 use firmware::bench::{Bench, IDENTITY, SETTINGS, drive_system};
 use firmware::emulator::end;
@@ -36,8 +37,15 @@ const ABANDONED_TICKS: u64 = 600 * TICK_HZ as u64;
 /// Ticks after which an input of the bench has settled: 50 ms, beyond the 20 ms of the enable switch.
 const SETTLED_TICKS: u64 = 1000;
 
-/// Ticks after the last byte in which the program does not sleep: a second. The drives come on within them.
-const AWAKE_TICKS: u64 = TICK_HZ as u64;
+/// Ticks after the last byte in which the program does not sleep: 0.2 s. The drives come on within them.
+const AWAKE_TICKS: u64 = TICK_HZ as u64 / 5;
+
+/// Ticks that one tick stands for while the program sleeps: it has one every 10 ms. Nothing that a tick could change is going on
+/// then.
+const ASLEEP: u32 = TICK_HZ / 100;
+
+/// Ticks that each tick stands for.
+static PACE: AtomicU32 = AtomicU32::new(1);
 
 /// The drives, and the machine that they move.
 struct Plant {
@@ -94,6 +102,7 @@ fn SysTick() {
         {
             bench.step();
             drive.tick(&mut Ticking(bench));
+            drive.skip(PACE.load(Ordering::Relaxed) - 1);
         }
     });
 }
@@ -166,16 +175,29 @@ fn run() -> Option<()> {
             }
         }
         if active {
+            set_pace(&mut timer, 1);
             served_at = now;
         } else {
             if now - served_at > ABANDONED_TICKS {
                 end(true);
             }
-            let drive_waits =
-                |drive: &HostedDrive<'_, Fixed, AXES>| drive.machine().power().is_on() || drive.is_checking();
-            wait(now < AWAKE_TICKS + served_at || with_plant(|plant| drive_waits(&plant.drive)));
+            let awake = now < AWAKE_TICKS + served_at || !with_plant(|plant| plant.drive.rests());
+            set_pace(&mut timer, if awake { 1 } else { ASLEEP });
+            wait(awake);
         }
     }
+}
+
+/// Sets how many ticks a tick stands for.
+#[inline(never)]
+fn set_pace(timer: &mut SYST, ticks: u32) {
+    interrupt::free(|_| {
+        if PACE.load(Ordering::Relaxed) != ticks {
+            PACE.store(ticks, Ordering::Relaxed);
+            timer.set_reload(ticks * (CLOCK_HZ / TICK_HZ) - 1);
+            timer.clear_current();
+        }
+    });
 }
 
 /// Counts the bytes that are received.

@@ -6,8 +6,9 @@
 
 use core::mem::MaybeUninit;
 
-use shared::link::Receiver;
 use shared::link::two_ports::{TwoPorts, UsbPort};
+use shared::link::{Receiver, SharedDrive};
+use shared::scalar::Fixed;
 use stm32f4xx_hal::gpio::{Alternate, PA11, PA12};
 use stm32f4xx_hal::otg_fs::{USB, UsbBus};
 use stm32f4xx_hal::pac::{OTG_FS_DEVICE, OTG_FS_GLOBAL, OTG_FS_PWRCLK};
@@ -117,9 +118,9 @@ fn serial_number() -> heapless::String<24> {
 }
 
 /// Answers the USB host, and decides which port is that of the link's host.
-pub fn service(ports: &mut Ports, host_is_silent: impl FnOnce() -> bool) {
+pub fn service(ports: &mut Ports, drive: &mut impl SharedDrive<'static, Fixed>) {
     if let Some(port) = ports.usb_port() {
         port.poll();
     }
-    ports.service(host_is_silent);
+    ports.service(drive);
 }

@@ -32,24 +32,30 @@ impl Client {
     /// # Errors
     /// [`BoardError`].
     pub fn connect(port: Port, timeout: Duration) -> Result<Self, BoardError> {
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        let nonce = now.subsec_nanos() ^ std::process::id().rotate_left(16);
+        let mut client = Self::without_session(port, timeout)?;
+        client.sequence = 0;
+        let Reply::Welcome(welcome) = client.exchange(&Request::Hello { nonce: nonce() })? else {
+            return Err(BoardError::Unexpected);
+        };
+        client.session = welcome.session;
+        client.welcome = welcome;
+        Ok(client)
+    }
+
+    /// Without a session: the board answers what needs none.
+    pub(crate) fn without_session(port: Port, timeout: Duration) -> Result<Self, BoardError> {
         let mut client = Self {
             port,
             receiver: Box::new(Receiver::NEW),
             session: 0,
-            sequence: 0,
+            // Not a number of an earlier program, whose reply may still be on the line.
+            sequence: nonce() >> 1,
             timeout,
             welcome: no_welcome(),
             streamed: VecDeque::new(),
         };
         // Ends whatever an earlier program has left on the line.
         client.port.send(&[0])?;
-        let Reply::Welcome(welcome) = client.exchange(&Request::Hello { nonce })? else {
-            return Err(BoardError::Unexpected);
-        };
-        client.session = welcome.session;
-        client.welcome = welcome;
         Ok(client)
     }
 
@@ -127,6 +133,7 @@ impl Client {
             self.port.send(&frame)?;
             if let Some(reply) = self.wait_for_reply(header.sequence)? {
                 return match reply {
+                    Reply::Refused(Refusal::HaltedByOther(halt)) => Err(BoardError::HaltedByOther(halt)),
                     Reply::Refused(refusal) => Err(BoardError::Refused(refusal)),
                     reply => Ok(reply),
                 };
@@ -140,12 +147,17 @@ impl Client {
         let started = Instant::now();
         while started.elapsed() < self.timeout {
             if let Some((header, reply)) = self.receive()?
-                && (header.sequence == sequence || is_version(&reply))
+                && (self.is_mine(header, sequence) || is_version(&reply))
             {
                 return Ok(Some(reply));
             }
         }
         Ok(None)
+    }
+
+    /// Whether a reply is that to a request of this session; that to a hello has the number of the session that it opens.
+    const fn is_mine(&self, header: Header, sequence: u32) -> bool {
+        header.sequence == sequence && (self.session == 0 || header.session == self.session)
     }
 
     /// Takes what has arrived. Keeps packets of the stream; returns the last reply.
@@ -171,6 +183,12 @@ impl Client {
 /// Whether a reply says that the board has another version: it has no sequence number.
 fn is_version(reply: &Reply) -> bool {
     matches!(reply, Reply::Refused(Refusal::Version { .. }))
+}
+
+/// A number that differs from program to program.
+fn nonce() -> u32 {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    now.subsec_nanos() ^ std::process::id().rotate_left(16)
 }
 
 /// Before the hello.

@@ -1,6 +1,7 @@
 //! Errors of a board and its link.
 
 use shared::link::Refusal;
+use shared::link::message::Halt;
 
 use crate::refusal;
 
@@ -12,9 +13,20 @@ pub enum BoardError {
     Port(String),
     /// Another program uses the port.
     #[error(
-        "port {port}: in use by {holder}, which has to end first; the enable switch and the emergency stop act at any time"
+        "port {port}: in use by {holder}, which has to end first; `board stop`, `hold`, `disable`, `status` and `monitor` work meanwhile"
     )]
     InUse {
+        /// Name of the port.
+        port: String,
+        /// The other program, in words.
+        holder: String,
+    },
+    /// Another program uses the port, and passes nothing on: an older one, or one of another system than Linux and macOS.
+    #[error(
+        "port {port}: in use by {holder}, which passes nothing on to the board and has to end first{}; the enable switch and the emergency stop act at any time",
+        if cfg!(unix) { "" } else { " (only on Linux and macOS can another program be stopped from here)" }
+    )]
+    PassesNothingOn {
         /// Name of the port.
         port: String,
         /// The other program, in words.
@@ -34,6 +46,9 @@ pub enum BoardError {
     /// The board refuses the request.
     #[error("the board refuses it: {}", refusal::text(.0))]
     Refused(Refusal),
+    /// Somebody else has held, stopped or disabled.
+    #[error("{}", refusal::halted_by_other(*.0))]
+    HaltedByOther(Halt),
     /// The reply is not one to this request.
     #[error("link: unexpected reply; check that board and host have the same version")]
     Unexpected,

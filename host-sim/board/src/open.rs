@@ -1,40 +1,95 @@
 //! Ports by their names.
 
 use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use files::error::quoted;
 use serialport::{SerialPortInfo, SerialPortType};
 
 use crate::bench::{self, Bench};
+use crate::broker;
 use crate::error::BoardError;
 use crate::port::{self, Port};
 use crate::port_lock::{self, PortLock};
 
+/// Longest wait for a program that holds a port to listen.
+const LISTEN_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// Time between two attempts.
+const RETRY: Duration = Duration::from_millis(20);
+
+/// Where a port is: the emulated board, or a path of a socket or a serial port.
+enum Place<'a> {
+    Bench(Bench),
+    Path(&'a str),
+}
+
 /// Opens a port: `bench` or `emulated` for the emulated servo board, which is started if it does not run; the path of a
-/// socket; otherwise the name of a serial port. It is held until it is dropped.
+/// socket; otherwise the name of a serial port. It is held until it is dropped; other programs can meanwhile [`observe`] it.
 ///
 /// # Errors
 /// [`BoardError::Port`] in one line, [`BoardError::InUse`] with the program that uses it.
 pub fn open(name: &str) -> Result<Port, BoardError> {
+    let place = Place::of(name)?;
     let in_use = |holder| BoardError::InUse { port: quoted(name), holder };
-    if is_bench(name) {
-        let bench = Bench::start()?;
-        let lock = PortLock::take(&bench.link_lock()).map_err(in_use)?;
-        return Ok(bench.link()?.held_by(lock));
+    let lock = PortLock::take(&place.lock()).map_err(in_use)?;
+    place.open(lock)
+}
+
+/// Opens a port, or a connection to the program that holds it, for what needs no session. Returns that program, in words.
+///
+/// # Errors
+/// As [`open`]; [`BoardError::PassesNothingOn`] if the program that holds the port cannot be asked.
+pub fn observe(name: &str) -> Result<(Port, Option<String>), BoardError> {
+    let place = Place::of(name)?;
+    let started = Instant::now();
+    loop {
+        let holder = match PortLock::take(&place.lock()) {
+            Ok(lock) => return Ok((place.open(lock)?, None)),
+            Err(holder) => holder,
+        };
+        if let Ok(port) = broker::connect(&place.lock()) {
+            return Ok((port, Some(holder)));
+        }
+        // It has just locked the port, or is about to end.
+        if started.elapsed() > LISTEN_TIMEOUT {
+            return Err(BoardError::PassesNothingOn { port: quoted(name), holder });
+        }
+        sleep(RETRY);
     }
-    let failed = |problem: String| BoardError::Port(format!("{}: {problem}", quoted(name)));
-    let path = Path::new(name);
-    let lock = PortLock::take(&lock_of(path)).map_err(in_use)?;
-    if port::is_socket(path) {
-        let port = Port::socket(path).map_err(|error| failed(error.to_string()))?;
-        return Ok(port.held_by(lock));
+}
+
+impl<'a> Place<'a> {
+    fn of(name: &'a str) -> Result<Self, BoardError> {
+        Ok(if is_bench(name) { Self::Bench(Bench::start()?) } else { Self::Path(name) })
     }
-    if let Some(holder) = port_lock::other_user_of(path) {
-        return Err(in_use(holder));
+
+    fn lock(&self) -> PathBuf {
+        match self {
+            Self::Bench(bench) => bench.link_lock(),
+            Self::Path(name) => lock_of(Path::new(name)),
+        }
     }
-    let port = Port::serial(name)
-        .map_err(|error| failed(format!("{error}; expected {}", expected(&serial_ports()))))?;
-    Ok(port.held_by(lock))
+
+    fn open(&self, lock: Option<PortLock>) -> Result<Port, BoardError> {
+        let name = match self {
+            Self::Bench(bench) => return Ok(bench.link()?.held_by(lock)),
+            Self::Path(name) => *name,
+        };
+        let failed = |problem: String| BoardError::Port(format!("{}: {problem}", quoted(name)));
+        let path = Path::new(name);
+        if port::is_socket(path) {
+            let port = Port::socket(path).map_err(|error| failed(error.to_string()))?;
+            return Ok(port.held_by(lock));
+        }
+        if let Some(holder) = port_lock::other_user_of(path) {
+            return Err(BoardError::PassesNothingOn { port: quoted(name), holder });
+        }
+        let port = Port::serial(name)
+            .map_err(|error| failed(format!("{error}; expected {}", expected(&serial_ports()))))?;
+        Ok(port.held_by(lock))
+    }
 }
 
 /// The file of the lock of a port, by its true name: links lead to the same port.

@@ -4,23 +4,58 @@ use std::io::{self, Read, Write};
 use std::path::Path;
 use std::time::Duration;
 
+use serialport::SerialPort;
 use shared::link::port::BAUD;
 
+use crate::broker::Broker;
 use crate::port_lock::PortLock;
+use crate::share::{self, Shared};
 
 /// Longest wait of a single read.
-const READ_TIMEOUT: Duration = Duration::from_millis(20);
+pub(crate) const READ_TIMEOUT: Duration = Duration::from_millis(20);
 
 /// Bytes in both directions.
-trait ByteStream: Read + Write + Send {}
+pub(crate) trait ByteStream: Read + Write + Send {
+    /// Another handle of the same stream.
+    fn another(&self) -> io::Result<Box<dyn ByteStream>>;
+}
 
-impl<T: Read + Write + Send> ByteStream for T {}
+struct Serial(Box<dyn SerialPort>);
+
+impl Read for Serial {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        self.0.read(bytes)
+    }
+}
+
+impl Write for Serial {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
+impl ByteStream for Serial {
+    fn another(&self) -> io::Result<Box<dyn ByteStream>> {
+        Ok(Box::new(Self(self.0.try_clone()?)))
+    }
+}
 
 /// An open port.
 pub struct Port {
-    stream: Box<dyn ByteStream>,
+    stream: Stream,
+    /// Ends before the lock: a port that is free has no socket.
+    _broker: Option<Broker>,
     /// Held while the port is open.
     _lock: Option<PortLock>,
+}
+
+enum Stream {
+    Own(Box<dyn ByteStream>),
+    Shared(Shared),
 }
 
 impl std::fmt::Debug for Port {
@@ -35,7 +70,7 @@ impl Port {
     /// # Errors
     /// If nothing listens there; on systems without sockets in the file system, always.
     pub fn socket(path: &Path) -> io::Result<Self> {
-        Ok(Self { stream: socket::connect(path)?, _lock: None })
+        Ok(Self::of(socket::connect(path)?))
     }
 
     /// A serial port.
@@ -45,22 +80,40 @@ impl Port {
     pub fn serial(path: &str) -> serialport::Result<Self> {
         // Opened for this program only.
         let port = serialport::new(path, BAUD).timeout(READ_TIMEOUT).open()?;
-        Ok(Self { stream: Box::new(port), _lock: None })
+        Ok(Self::of(Box::new(Serial(port))))
     }
 
-    /// This port with a lock that other programs respect.
+    fn of(stream: Box<dyn ByteStream>) -> Self {
+        Self { stream: Stream::Own(stream), _broker: None, _lock: None }
+    }
+
+    /// This port with a lock that other programs respect, and a socket beside it at which they can ask for what needs no session.
+    /// Without a lock, or where the socket cannot be made, it is used without one.
     #[must_use]
     pub fn held_by(self, lock: Option<PortLock>) -> Self {
-        Self { _lock: lock, ..self }
+        let Stream::Own(stream) = self.stream else { return self };
+        let Some(lock) = lock else { return Self::of(stream) };
+        match share::share(stream) {
+            Ok((shared, guests)) => {
+                let broker = Broker::start(lock.path(), guests).ok();
+                Self { stream: Stream::Shared(shared), _broker: broker, _lock: Some(lock) }
+            }
+            Err(stream) => Self { _lock: Some(lock), ..Self::of(stream) },
+        }
     }
 
-    /// Sends bytes.
+    /// Sends bytes, in one piece.
     ///
     /// # Errors
     /// The failure of the port.
     pub fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.stream.write_all(bytes)?;
-        self.stream.flush()
+        match &mut self.stream {
+            Stream::Own(stream) => {
+                stream.write_all(bytes)?;
+                stream.flush()
+            }
+            Stream::Shared(shared) => shared.send(bytes),
+        }
     }
 
     /// Receives what has arrived; waits at most 20 ms. 0: nothing has.
@@ -68,18 +121,26 @@ impl Port {
     /// # Errors
     /// The failure of the port, or its end.
     pub fn receive(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        match self.stream.read(bytes) {
-            Ok(0) => Err(io::ErrorKind::UnexpectedEof.into()),
-            Err(error)
-                if matches!(
-                    error.kind(),
-                    io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted
-                ) =>
-            {
-                Ok(0)
-            }
-            other => other,
+        match &mut self.stream {
+            Stream::Own(stream) => receive(stream.as_mut(), bytes),
+            Stream::Shared(shared) => shared.receive(bytes),
         }
+    }
+}
+
+/// Receives what has arrived at a stream with a timeout. 0: nothing has.
+pub(crate) fn receive(stream: &mut (impl Read + ?Sized), bytes: &mut [u8]) -> io::Result<usize> {
+    match stream.read(bytes) {
+        Ok(0) => Err(io::ErrorKind::UnexpectedEof.into()),
+        Err(error)
+            if matches!(
+                error.kind(),
+                io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted
+            ) =>
+        {
+            Ok(0)
+        }
+        other => other,
     }
 }
 
@@ -97,6 +158,12 @@ mod socket {
     use std::path::Path;
 
     use super::{ByteStream, READ_TIMEOUT};
+
+    impl ByteStream for UnixStream {
+        fn another(&self) -> io::Result<Box<dyn ByteStream>> {
+            Ok(Box::new(self.try_clone()?))
+        }
+    }
 
     pub fn connect(path: &Path) -> io::Result<Box<dyn ByteStream>> {
         let stream = UnixStream::connect(path)?;

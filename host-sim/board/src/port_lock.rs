@@ -5,7 +5,7 @@
 
 use std::fs::{self, File};
 use std::io::{Read, Seek, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Longest description of a holder that is read.
 const LONGEST: u64 = 512;
@@ -14,6 +14,7 @@ const LONGEST: u64 = 512;
 #[derive(Debug)]
 pub struct PortLock {
     file: File,
+    path: PathBuf,
 }
 
 impl PortLock {
@@ -30,7 +31,7 @@ impl PortLock {
         let Ok(file) = opened else { return Ok(None) };
         match file.try_lock() {
             Ok(()) => {
-                let mut lock = Self { file };
+                let mut lock = Self { file, path: path.to_owned() };
                 // Without a description the lock still holds.
                 let _ = lock.write(&describe(std::process::id()));
                 Ok(Some(lock))
@@ -38,6 +39,12 @@ impl PortLock {
             Err(fs::TryLockError::WouldBlock) => Err(holder(file)),
             Err(fs::TryLockError::Error(_)) => Ok(None),
         }
+    }
+
+    /// The file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     fn write(&mut self, text: &str) -> std::io::Result<()> {
@@ -92,7 +99,7 @@ mod tests {
     use super::*;
 
     /// A folder of this test, which ends with it.
-    struct Folder(std::path::PathBuf);
+    struct Folder(PathBuf);
 
     impl Drop for Folder {
         fn drop(&mut self) {

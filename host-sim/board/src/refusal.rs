@@ -4,6 +4,7 @@ use shared::drive::direction_check::DirectionResult;
 use shared::interpolate::PathError;
 use shared::link::Refusal;
 use shared::link::history::HistoryEvent;
+use shared::link::message::Halt;
 use shared::link::refusal::{DirectionProblem, SettingProblem, UploadError};
 use shared::link::report::{HomingFailure, SettingsReport, SettingsSource, StoredRecord};
 use shared::safety::{Fault, FaultKind};
@@ -61,7 +62,20 @@ pub fn text(refusal: &Refusal) -> String {
         Refusal::Storage => "the flash has not kept what was written".into(),
         Refusal::NothingToSave => "there is nothing to save: no settings were uploaded for it".into(),
         Refusal::OtherPort => "a host uses its other port, and has not been silent for long enough".into(),
+        Refusal::HaltedByOther(halt) => halted_by_other(*halt).into(),
         Refusal::Busy => "the path changes too fast; try again".into(),
+    }
+}
+
+/// What somebody else has done to a motion, in words.
+#[must_use]
+pub const fn halted_by_other(halt: Halt) -> &'static str {
+    match halt {
+        Halt::Hold => {
+            "another program has held the path: `board resume` continues it, `board stop` discards it"
+        }
+        Halt::Stop => "another program has stopped the motion; the rest of the path is discarded",
+        Halt::Disable => "another program has switched the drives off",
     }
 }
 
@@ -235,6 +249,7 @@ pub fn event(event: HistoryEvent) -> String {
         HistoryEvent::Fault(fault) => format!("fault: {}", self::fault(fault)),
         HistoryEvent::Warning(fault) => format!("warning: {}", self::fault(fault)),
         HistoryEvent::HostSilentHold => "the host was silent: path held".into(),
+        HistoryEvent::HostSilentOff => "the host was silent while the axes stood: drives off".into(),
     }
 }
 

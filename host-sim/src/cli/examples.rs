@@ -102,7 +102,7 @@ pub const ALL: [(&str, &[&str]); 24] = [
         "record",
         &[
             "lost-motion record --port emulated --motion circle.toml --out circle.csv",
-            "lost-motion record --port /dev/ttyACM0 --machine M.toml --motion circle.toml --out circle.csv.gz",
+            "lost-motion record --port /dev/ttyACM0 --machine M.toml --motion circle.toml --out circle.csv.gz --yes",
         ],
     ),
     (
@@ -110,6 +110,7 @@ pub const ALL: [(&str, &[&str]); 24] = [
         &[
             "lost-motion board ports",
             "lost-motion board status --port emulated",
+            "lost-motion board stop --port emulated      also while another program holds the port",
             "lost-motion board upload --port /dev/ttyACM0 --machine M.toml",
         ],
     ),

@@ -49,6 +49,9 @@ pub struct Arguments {
     /// Timeout for an answer of the emulated core, s.
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value_t = DEFAULT_TIMEOUT.as_secs_f64())]
     timeout_s: f64,
+    /// On a servo board: do not ask before the drives are switched on and the axes move to the start of the motion.
+    #[arg(long)]
+    yes: bool,
     /// Seed of the sensors' noise.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -132,6 +135,7 @@ fn on_board(arguments: &Arguments) -> Result<()> {
         motion: &Motion::read(&arguments.motion)?,
         motion_file: &arguments.motion.display().to_string(),
         out: &arguments.out,
+        yes: arguments.yes,
     })
 }
 

@@ -17,6 +17,8 @@ pub enum HistoryEvent {
     Warning(Fault),
     /// The host was silent: the path was held.
     HostSilentHold,
+    /// The host was silent while the axes stood: the drives were switched off.
+    HostSilentOff,
 }
 
 /// An entry of the history.
@@ -64,6 +66,11 @@ impl FaultHistory {
     /// Records that the silence of the host has held the path.
     pub fn held(&mut self, tick: u64) {
         self.push(tick, HistoryEvent::HostSilentHold);
+    }
+
+    /// Records that the silence of the host has switched off drives whose axes stood.
+    pub fn switched_off(&mut self, tick: u64) {
+        self.push(tick, HistoryEvent::HostSilentOff);
     }
 
     /// Records a fault beside the one that the power state shows.

@@ -1,9 +1,12 @@
 //! Drives under the control of a host: what runs in every tick.
 
+mod halts;
+mod rest;
 mod settings;
 mod status;
 
 use super::history::FaultHistory;
+use super::message::Halt;
 use super::refusal::Refusal;
 use super::report::{Activity, Times};
 use super::stream::StreamQueue;
@@ -35,6 +38,8 @@ pub struct HostedDrive<'m, S: Scalar, const N: usize> {
     stream: StreamQueue<N>,
     quantisers: Quantisers<N>,
     history: FaultHistory,
+    /// What somebody without the session has asked for, as long as the host of the session has not been told.
+    halted_by_other: Option<Halt>,
     tick: u64,
     readings: [Reading; N],
     /// Forces since the last tick.
@@ -63,6 +68,7 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
             stream: StreamQueue::OFF,
             quantisers: Quantisers::new(steps),
             history: FaultHistory::EMPTY,
+            halted_by_other: None,
             tick: 0,
             readings: [Reading { motor: Position(0), table: None }; N],
             forces: [S::ZERO; N],
@@ -106,14 +112,18 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
         if self.watch.is_gone() {
             self.system.expire_direction_check();
         }
-        let machine = self.system.machine_mut();
-        match self.watch.tick(machine.power().is_on()) {
-            Some(Silence::Hold) if !machine.is_at_rest() => {
-                machine.hold();
+        match self.watch.tick(self.machine().power().is_on()) {
+            Some(Silence::Hold) if !self.machine().is_at_rest() => {
+                self.machine_mut().hold();
                 self.history.held(self.tick);
             }
+            // Nothing is interrupted that somebody would have to acknowledge.
+            Some(Silence::Off) if self.can_start().is_ok() => {
+                self.machine_mut().disable();
+                self.history.switched_off(self.tick);
+            }
             Some(Silence::Off) => {
-                machine.fault(Fault::HostSilent);
+                self.machine_mut().fault(Fault::HostSilent);
             }
             _ => {}
         }
@@ -132,9 +142,11 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
         self.watch.heard();
     }
 
-    /// A session was opened; a request has to follow ([`HostWatch::greeted`]). A direction check of the previous one ends.
+    /// A session was opened; a request has to follow ([`HostWatch::greeted`]). A direction check of the previous one ends, and what
+    /// its host was to be told is not told to another one.
     pub fn greeted(&mut self) {
         self.watch.greeted();
+        self.halted_by_other = None;
         self.system.expire_direction_check();
     }
 
@@ -170,13 +182,6 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
             Power::On => Ok(()),
             Power::Stopping(fault) | Power::Faulted(fault) => Err(Refusal::Faulted(fault)),
             Power::Off => self.system.enable_by_host().map_err(|_| Refusal::NotArmed),
-        }
-    }
-
-    /// Disables the drives. A fault remains until it is acknowledged.
-    pub fn disable(&mut self) {
-        if !matches!(self.machine().power(), Power::Faulted(_)) {
-            self.machine_mut().disable();
         }
     }
 
@@ -252,13 +257,6 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
         self.blocks_left = self.blocks_left.saturating_sub(1);
     }
 
-    /// Holds the path.
-    pub fn hold(&mut self) {
-        if self.is_at_rest().is_err() {
-            self.machine_mut().hold();
-        }
-    }
-
     /// Continues after a hold.
     ///
     /// # Errors
@@ -271,14 +269,6 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
             }
             _ => Err(Refusal::NotHeld),
         }
-    }
-
-    /// Decelerates and discards the rest of the path and of the motion.
-    pub fn stop(&mut self) {
-        (self.blocks_left, self.jog_remaining) = (0, None);
-        self.system.stop_homing();
-        self.system.stop_direction_check();
-        self.machine_mut().discard_path();
     }
 
     /// Starts to home an axis.

@@ -65,6 +65,33 @@ impl Jog {
     pub const MAX_TRAVEL_M: f64 = 1.0;
 }
 
+/// What holds, ends or prevents motion, the weakest first. It needs no session: whoever is connected to a port of the board may ask
+/// for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Halt {
+    /// [`Request::Hold`].
+    Hold,
+    /// [`Request::Stop`].
+    Stop,
+    /// [`Request::Disable`].
+    Disable,
+}
+
+impl Halt {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Hold, Self::Stop, Self::Disable];
+
+    /// The request for it.
+    #[must_use]
+    pub const fn request(self) -> Request {
+        match self {
+            Self::Hold => Request::Hold,
+            Self::Stop => Request::Stop,
+            Self::Disable => Request::Disable,
+        }
+    }
+}
+
 /// A request of a host.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(clippy::large_enum_variant, reason = "one request at a time, and nothing to allocate it from")]
@@ -81,11 +108,11 @@ pub enum Request {
     FaultHistory,
     /// Enables the drives. The enable switch must permit it.
     Enable,
-    /// Disables the drives at once.
+    /// Disables the drives at once, and ends a direction check.
     Disable,
     /// Acknowledges a fault.
     Clear,
-    /// Feed hold: decelerates along the path, drives on.
+    /// Feed hold: decelerates along the path, drives on. Ends a direction check.
     Hold,
     /// Continues after a hold.
     Resume,
@@ -168,12 +195,27 @@ pub enum Request {
     /// to it, until [`Request::Save`]; a refused one, or another session, discards it. The axes lose their references: while
     /// the flash is erased, for some seconds, the program stands still.
     BeginSave,
+    /// What the board is, without a session.
+    Identify,
+}
+
+impl Request {
+    /// The halt that it is, if it is one.
+    #[must_use]
+    pub const fn halt(&self) -> Option<Halt> {
+        match self {
+            Self::Hold => Some(Halt::Hold),
+            Self::Stop => Some(Halt::Stop),
+            Self::Disable => Some(Halt::Disable),
+            _ => None,
+        }
+    }
 }
 
 /// The reply to a request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Reply {
-    /// A session is open.
+    /// A session is open, or what the board is.
     Welcome(Welcome),
     /// Executed.
     Done,

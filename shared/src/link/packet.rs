@@ -15,7 +15,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::{Deserialize, Serialize};
 
 /// Version of the packets and messages.
-pub const VERSION: u8 = 3;
+pub const VERSION: u8 = 4;
 
 /// Number of axes of the messages.
 pub const AXES: usize = 2;
@@ -43,10 +43,18 @@ const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 /// What identifies a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Header {
-    /// Number of the session, given by the board.
+    /// Number of the session, given by the board; 0: none.
     pub session: u32,
     /// Number of the request in the session, from 1; a reply has the number of its request.
     pub sequence: u32,
+}
+
+impl Header {
+    /// The header of a request without a session, with any number: its reply has both.
+    #[must_use]
+    pub const fn without_session(sequence: u32) -> Self {
+        Self { session: 0, sequence }
+    }
 }
 
 /// A packet whose checksum is right.
@@ -86,6 +94,8 @@ pub struct MessageTooLong;
 ///
 /// # Errors
 /// [`MessageTooLong`] beyond [`MAX_MESSAGE`].
+// Not inlined: one copy of it for all replies in the flash of a board.
+#[inline(never)]
 pub fn encode(header: Header, message: &impl Serialize, frame: &mut Frame) -> Result<(), MessageTooLong> {
     encode_version(VERSION, header, message, frame)
 }

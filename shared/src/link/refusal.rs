@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::message::Halt;
 use super::report::HomingFailure;
 use crate::config::ConfigError;
 use crate::drive::direction_check::DirectionCheckError;
@@ -103,6 +104,8 @@ pub enum Refusal {
     NothingToSave,
     /// A host uses the other port of the board, and is not silent.
     OtherPort,
+    /// Somebody without the session has asked for a halt since the last request of the session, which is told so once.
+    HaltedByOther(Halt),
 }
 
 /// Why the direction of an axis cannot be checked.

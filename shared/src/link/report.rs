@@ -50,10 +50,10 @@ pub struct Identity {
     pub homing: [Option<HomingSettings>; AXES],
 }
 
-/// The reply to a hello.
+/// The reply to a hello, and to the question what the board is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Welcome {
-    /// Number of the session.
+    /// Number of the session; 0: none was opened.
     pub session: u32,
     /// Name of the board.
     pub board: heapless::String<32>,

@@ -3,7 +3,7 @@
 //! A host repeats a request whose reply it has not received. The board executes it once: a repetition gets the reply that was
 //! given. A request of an earlier session, an old one, and one behind a gap are refused.
 
-use super::packet::Packet;
+use super::packet::{Header, Packet};
 use super::refusal::Refusal;
 
 /// What is to be done with a request.
@@ -55,10 +55,16 @@ impl SessionState {
         self.session
     }
 
+    /// Whether a packet has the number of the present session.
+    #[must_use]
+    pub const fn is_present(&self, header: Header) -> bool {
+        self.session != 0 && header.session == self.session
+    }
+
     /// Judges a request other than a hello.
     #[must_use]
     pub fn judge(&self, packet: &Packet<'_>) -> Verdict {
-        if self.session == 0 || packet.header.session != self.session {
+        if !self.is_present(packet.header) {
             return Verdict::Refuse(Refusal::Session);
         }
         let expected = self.last.wrapping_add(1);
@@ -79,7 +85,6 @@ impl SessionState {
 
 #[cfg(test)]
 mod tests {
-    use super::super::packet::Header;
     use super::*;
 
     const fn packet(session: u32, sequence: u32, checksum: u32) -> Packet<'static> {

@@ -7,19 +7,21 @@
 //! | received at the port that is not selected | answer |
 //! |---|---|
 //! | a hello, while the host at the selected port is silent | this port is selected; the server opens a session |
+//! | a halt, of any session or none | executed; the host at the selected port is told with its next request |
 //! | a hello otherwise, and every other request | refused: [`Refusal::OtherPort`] |
 //! | a packet of another version | refused, with the version of the board |
 //! | bytes that are no packet | none |
 //!
-//! Nothing that is received there reaches the server before the port is selected, and nothing of it counts as a sign of life of the
+//! Nothing else that is received there reaches the drives before the port is selected, and nothing of it counts as a sign of life of the
 //! host: the supervision of the host cannot be avoided with a second port.
 
-use super::message::{FromBoard, Reply, Request};
+use super::message::{FromBoard, Halt, Reply, Request};
 use super::packet::{self, Frame, Header, PacketError, VERSION};
-use super::port::BytePort;
+use super::port::{BytePort, SharedDrive};
 use super::receiver::Receiver;
 use super::refusal::Refusal;
 use super::report::UsbState;
+use crate::scalar::Scalar;
 
 /// Greatest number of bytes that are taken in one call.
 const BYTES_PER_CALL: usize = 64;
@@ -57,6 +59,7 @@ pub struct UsbPort<'r, B> {
 /// What was received at the port that is not selected.
 enum Received {
     Hello(Header, u32),
+    Halt(Header, Halt),
     Refused(Header, Refusal),
 }
 
@@ -93,20 +96,31 @@ impl<'r, A: BytePort, B: BytePort> TwoPorts<'r, A, B> {
     }
 
     /// Takes what the port that is not selected has received, and answers at most one packet. To be called before each
-    /// [`Server::poll`](super::Server::poll). `host_is_silent` is whether the host at the selected port is.
-    pub fn service(&mut self, host_is_silent: impl FnOnce() -> bool) {
+    /// [`Server::poll`](super::Server::poll).
+    pub fn service<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S>) {
         if !self.hello.is_empty() {
             return;
         }
         match self.receive() {
-            Some(Received::Hello(header, nonce)) if host_is_silent() => self.select_other(header, nonce),
-            Some(Received::Hello(header, _)) => self.refuse(header, Refusal::OtherPort),
-            Some(Received::Refused(header, refusal)) => self.refuse(header, refusal),
+            Some(Received::Hello(header, nonce)) => {
+                if drive.with(|drive| drive.host_is_silent()) {
+                    self.select_other(header, nonce);
+                } else {
+                    self.answer(header, Reply::Refused(Refusal::OtherPort));
+                }
+            }
+            Some(Received::Halt(header, halt)) => {
+                drive.with(|drive| drive.halt_from_outside(halt));
+                self.answer(header, Reply::Done);
+            }
+            Some(Received::Refused(header, refusal)) => self.answer(header, Reply::Refused(refusal)),
             None => {}
         }
     }
 
     /// The next packet at the port that is not selected.
+    // Not inlined, as `select_other` and `answer`: request and frame are not on the stack while a request is executed.
+    #[inline(never)]
     fn receive(&mut self) -> Option<Received> {
         let usb = self.usb.as_mut()?;
         for _ in 0..BYTES_PER_CALL {
@@ -118,6 +132,7 @@ impl<'r, A: BytePort, B: BytePort> TwoPorts<'r, A, B> {
                 Some(Ok(packet)) => {
                     return Some(match packet::message::<Request>(packet.message) {
                         Ok(Request::Hello { nonce }) => Received::Hello(packet.header, nonce),
+                        Ok(request) if let Some(halt) = request.halt() => Received::Halt(packet.header, halt),
                         _ => Received::Refused(packet.header, Refusal::OtherPort),
                     });
                 }
@@ -131,7 +146,6 @@ impl<'r, A: BytePort, B: BytePort> TwoPorts<'r, A, B> {
         None
     }
 
-    // Not inlined, as `refuse`: the frame is not on the stack while a request is executed.
     #[inline(never)]
     fn select_other(&mut self, header: Header, nonce: u32) {
         let mut frame = Frame::new();
@@ -148,11 +162,11 @@ impl<'r, A: BytePort, B: BytePort> TwoPorts<'r, A, B> {
         self.send(self.selected, &[0]);
     }
 
-    /// A refusal that the port does not take is lost: the host repeats its request.
+    /// A reply that the port does not take is lost: the host repeats its request. It is shorter than a packet of USB.
     #[inline(never)]
-    fn refuse(&mut self, header: Header, refusal: Refusal) {
+    fn answer(&mut self, header: Header, reply: Reply) {
         let mut frame = Frame::new();
-        if packet::encode(header, &FromBoard::Reply(Reply::Refused(refusal)), &mut frame).is_ok() {
+        if packet::encode(header, &FromBoard::Reply(reply), &mut frame).is_ok() {
             self.send(self.selected.other(), &frame);
         }
     }

@@ -60,6 +60,11 @@ impl HostWatch {
         self.unheard >= self.off_after
     }
 
+    /// Lets ticks pass with the drives off.
+    pub const fn skip(&mut self, ticks: u32) {
+        self.unheard = self.unheard.saturating_add(ticks);
+    }
+
     /// Once per tick. Drives that are off are not supervised.
     pub const fn tick(&mut self, drives_on: bool) -> Option<Silence> {
         self.unheard = self.unheard.saturating_add(1);

@@ -3,6 +3,7 @@
 
 mod direction;
 mod garbage;
+mod halts;
 mod home;
 mod motions;
 mod order;

@@ -90,10 +90,10 @@ fn an_earlier_session_cannot_be_replayed() {
 }
 
 #[test]
-fn without_a_session_everything_is_refused() {
+fn without_a_session_nothing_can_be_started_or_changed() {
     let mut rig = Rig::new();
     let other = rig.session ^ 1;
-    for request in [Request::Status, Request::Enable, Request::Stop] {
+    for request in [Request::Clear, Request::Enable, Request::Resume, jog_by(1e-3), Request::BeginSave] {
         assert_eq!(reply(&mut rig, &frame(other, 1, &request)), Reply::Refused(Refusal::Session));
         assert_eq!(reply(&mut rig, &frame(0, 1, &request)), Reply::Refused(Refusal::Session));
     }

@@ -41,7 +41,8 @@ fn a_silent_host_holds_the_path_and_then_switches_the_drives_off() {
     assert!(rig.status().at_rest);
 }
 
-/// Axes that stand have no path to hold: the silence changes nothing before the drives go off.
+/// Axes that stand have no path to hold: the silence changes nothing before the drives go off. That is no fault: nothing was
+/// interrupted, and the next enable switches them on.
 #[test]
 fn a_silent_host_holds_nothing_while_the_axes_stand() {
     let mut rig = Rig::enabled();
@@ -52,6 +53,19 @@ fn a_silent_host_holds_nothing_while_the_axes_stand() {
     );
     let Reply::FaultHistory(history) = rig.request(&Request::FaultHistory) else { panic!("no history") };
     assert!(history.is_empty(), "{history:?}");
+    rig.run(ticks(TIMES.off_ms) - 10);
+    assert!(rig.plant.enabled);
+    rig.run(20);
+    assert!(!rig.plant.enabled);
+    assert_eq!(rig.status().power, Power::Off);
+    let Reply::FaultHistory(history) = rig.request(&Request::FaultHistory) else { panic!("no history") };
+    let events: Vec<_> = history.iter().map(|entry| entry.event).collect();
+    assert_eq!(events, [HistoryEvent::HostSilentOff]);
+    rig.run(1000);
+    assert!(!rig.plant.enabled);
+    assert_eq!(rig.request(&Request::Enable), Reply::Done);
+    rig.run(10);
+    assert!(rig.plant.enabled);
 }
 
 /// A session that was opened is a host that is there, for the time after which a path is held.

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use shared::interpolate::feed_hold::FeedState;
-use shared::link::message::{FromBoard, Reply, Request};
+use shared::link::message::{FromBoard, Halt, Reply, Request};
 use shared::link::packet::{self, Frame, Header};
 use shared::link::report::UsbState;
 use shared::link::two_ports::{Selected, TwoPorts, UsbPort};
@@ -74,7 +74,7 @@ impl Pair {
         for _ in 0..ticks {
             self.rig.plant.step();
             self.rig.drive.tick(&mut self.rig.plant);
-            self.ports.service(|| self.rig.drive.host_is_silent());
+            self.ports.service(&mut self.rig.drive);
             self.rig.server.poll(&mut self.ports, &mut self.rig.drive, &mut self.rig.memory);
         }
     }
@@ -163,10 +163,44 @@ fn a_host_that_is_not_silent_keeps_the_link() {
             assert!(!pair.hello(other, round), "a session at the other port");
             // With the session of the owner, as it may have been listened to.
             let stolen = Header { sequence: pair.headers[owner].sequence + 1, ..pair.headers[owner] };
-            assert_eq!(pair.send(other, stolen, &Request::Disable), REFUSED);
+            assert_eq!(pair.send(other, stolen, &Request::Clear), REFUSED);
             assert_eq!(pair.status(owner).power, Power::On);
         }
         assert!(pair.status(owner).at_rest && (pair.rig.plant.position_m[0] - 0.09).abs() < 50e-6);
+    }
+}
+
+/// Whoever is at the other port can hold, stop and disable, without a session and with one that it has listened to. The host at the
+/// selected port is told, keeps its session, and can go on.
+#[test]
+fn a_halt_is_taken_at_the_other_port() {
+    for (owner, other) in [(UART, USB), (USB, UART)] {
+        for halt in Halt::ALL {
+            for stolen in [false, true] {
+                let mut pair = Pair::moving(owner);
+                pair.run(ms(100));
+                let header = if stolen {
+                    Header { sequence: pair.headers[owner].sequence + 1, ..pair.headers[owner] }
+                } else {
+                    NO_SESSION
+                };
+                assert_eq!(pair.send(other, header, &halt.request()), Some(Reply::Done));
+                // The path stands after 15 ms, and the axis has reached it after ten time constants of its loop.
+                pair.run(ms(415));
+                let at_m = pair.rig.plant.position_m[0];
+                let feed = if halt == Halt::Hold { FeedState::Held } else { FeedState::Running };
+                let power = if halt == Halt::Disable { Power::Off } else { Power::On };
+                assert_eq!((pair.feed(), pair.power()), (feed, power));
+                assert_eq!(
+                    pair.request(owner, &Request::Status),
+                    Some(Reply::Refused(Refusal::HaltedByOther(halt)))
+                );
+                pair.run(ms(100));
+                assert!((pair.rig.plant.position_m[0] - at_m).abs() < 1e-6 && at_m < 0.01, "{at_m}");
+                assert_eq!(pair.status(owner).power, power);
+                assert_eq!(pair.send(other, NO_SESSION, &Request::Status), REFUSED);
+            }
+        }
     }
 }
 
@@ -304,7 +338,7 @@ fn a_usb_port_that_does_not_answer_is_reported_and_the_serial_port_remains() {
     let mut ports = TwoPorts::<Wire, Wire>::new(Wire::default(), None);
     assert_eq!((ports.usb(), ports.usb_port().is_none()), (UsbState::NotAnswering, true));
     ports.uart().line.to_board.push_back(5);
-    ports.service(|| panic!("there is no other port"));
+    ports.service(&mut Rig::new().drive);
     assert_eq!((ports.read(), ports.read(), ports.write(&[1, 2])), (Some(5), None, 2));
     assert_eq!(ports.uart().line.to_host, [1, 2]);
 }

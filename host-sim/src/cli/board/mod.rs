@@ -2,6 +2,7 @@
 
 pub mod bench;
 pub mod capture;
+mod consent;
 pub mod direction;
 pub mod jog;
 pub mod monitor;
@@ -26,7 +27,7 @@ pub enum Verb {
     Upload(upload::Arguments),
     /// Switch the drives on.
     Enable(simple::Arguments),
-    /// Switch the drives off at once.
+    /// Switch the drives off at once, also while another program holds the port.
     Disable(simple::Arguments),
     /// Acknowledge a fault.
     Clear(simple::Arguments),
@@ -36,11 +37,11 @@ pub enum Verb {
     CheckDirection(direction::Arguments),
     /// Move an axis to its reference. Switches the drives on if they are off.
     Home(port::AxisArguments),
-    /// Feed hold: decelerate along the path, which `board resume` continues.
+    /// Feed hold: decelerate along the path, also that of another program at the port; `board resume` continues it.
     Hold(simple::Arguments),
     /// Continue the path after a hold, and wait for its end.
     Resume(simple::Arguments),
-    /// Decelerate along the path and discard the rest of it.
+    /// Decelerate along the path, also that of another program at the port, and discard the rest of it.
     Stop(simple::Arguments),
     /// Print a line about the board at intervals.
     Monitor(monitor::Arguments),

@@ -9,9 +9,10 @@ use super::port::PortArguments;
 use super::status::{path, power};
 use crate::cli::outputs::print_to_reader;
 use crate::cli::stop;
-use ::board::refusal::AXIS_NAMES;
+use ::board::refusal::{self, AXIS_NAMES};
+use ::board::{BoardError, Client, Observer};
 use files::error::InputError;
-use shared::link::Status;
+use shared::link::{Status, Welcome};
 
 /// Longest interval, s: a host that is silent for longer stops the drives.
 const MAX_INTERVAL_S: f64 = 60.0;
@@ -29,6 +30,43 @@ pub struct Arguments {
     lines: Option<u32>,
 }
 
+/// A board that is watched. As the host at a free port, a monitor keeps the drives on; while another program holds the port, that program
+/// does.
+enum Watched {
+    Host(Client),
+    Guest(Observer),
+}
+
+impl Watched {
+    fn open(port: &PortArguments) -> Result<(Self, Welcome)> {
+        let error = match port.connect() {
+            Ok(client) => {
+                let welcome = client.welcome().clone();
+                return Ok((Self::Host(client), welcome));
+            }
+            Err(error) => error,
+        };
+        if !matches!(error.downcast_ref(), Some(BoardError::InUse { .. })) {
+            return Err(error);
+        }
+        let mut observer = port.observe()?;
+        let welcome = port.identify(&mut observer)?;
+        Ok((Self::Guest(observer), welcome))
+    }
+
+    /// The state, or what another program has done meanwhile, in words.
+    fn look(&mut self) -> Result<Result<Status, &'static str>, BoardError> {
+        let status = match self {
+            Self::Host(client) => client.status(),
+            Self::Guest(observer) => observer.status(),
+        };
+        match status {
+            Err(BoardError::HaltedByOther(halt)) => Ok(Err(refusal::halted_by_other(halt))),
+            status => status.map(Ok),
+        }
+    }
+}
+
 /// Runs the command.
 ///
 /// # Errors
@@ -39,14 +77,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(InputError::expected("--interval-s", expected, arguments.interval_s).into());
     }
     let interval = Duration::from_secs_f64(arguments.interval_s);
-    let mut client = arguments.port.connect()?;
-    let tick_hz = client.welcome().rates.velocity_loop_hz;
+    let (mut watched, welcome) = Watched::open(&arguments.port)?;
     stop::write_partial_result();
     let mut left = arguments.lines;
     while left != Some(0) && !stop::is_interrupted() {
         let started = Instant::now();
-        let status = client.status()?;
-        if !print_to_reader(&line(&status, tick_hz))? {
+        let line = match watched.look()? {
+            Ok(status) => line(&status, welcome.rates.velocity_loop_hz),
+            Err(halted) => halted.to_owned(),
+        };
+        if !print_to_reader(&line)? {
             // Further requests would keep the drives on.
             break;
         }

@@ -4,8 +4,9 @@ use std::time::Duration;
 
 use anyhow::Result;
 
-use ::board::{BoardError, Client};
+use ::board::{BoardError, Client, Observer};
 use files::error::InputError;
+use shared::link::Welcome;
 
 /// Maximum of `--timeout-s`.
 const MAX_TIMEOUT_S: f64 = 3600.0;
@@ -30,6 +31,52 @@ impl PortArguments {
     pub fn connect(&self) -> Result<Client> {
         connect(&self.port, self.timeout_s)
     }
+
+    /// Opens the port for what needs no session, or a connection to the program that holds it.
+    ///
+    /// # Errors
+    /// As [`PortArguments::connect`].
+    pub fn observe(&self) -> Result<Observer> {
+        let timeout = timeout(self.timeout_s)?;
+        Observer::open(&self.port, timeout).map_err(of_port)
+    }
+
+    /// What the board at an observed port is.
+    ///
+    /// # Errors
+    /// A board that does not answer, or an emulated one of other sources.
+    pub fn identify(&self, observer: &mut Observer) -> Result<Welcome> {
+        let welcome = observer.identify()?;
+        check_sources(&self.port, &welcome)?;
+        Ok(welcome)
+    }
+}
+
+/// The timeout for a reply.
+fn timeout(seconds: f64) -> Result<Duration, InputError> {
+    if seconds > 0.0 && seconds <= MAX_TIMEOUT_S {
+        return Ok(Duration::from_secs_f64(seconds));
+    }
+    let expected = format!("seconds above 0 and up to {MAX_TIMEOUT_S}");
+    Err(InputError::expected("--timeout-s", expected, seconds))
+}
+
+/// A port that cannot be opened is an error of the argument.
+fn of_port(error: BoardError) -> anyhow::Error {
+    match error {
+        BoardError::Port(problem) => InputError::new("--port", problem).into(),
+        error => error.into(),
+    }
+}
+
+/// The emulated board has to run the program of these sources.
+fn check_sources(port: &str, welcome: &Welcome) -> Result<(), InputError> {
+    if board::open::is_bench(port) && welcome.sources != shared::SOURCES {
+        let problem = "the emulated board runs a program of other sources: end it (`board bench end`) and build it again \
+                       (`cargo servo`)";
+        return Err(InputError::new("--port", problem));
+    }
+    Ok(())
 }
 
 /// Opens a session with the board at a port.
@@ -37,21 +84,9 @@ impl PortArguments {
 /// # Errors
 /// See [`PortArguments::connect`].
 pub fn connect(port: &str, timeout_s: f64) -> Result<Client> {
-    if !(timeout_s > 0.0 && timeout_s <= MAX_TIMEOUT_S) {
-        let expected = format!("seconds above 0 and up to {MAX_TIMEOUT_S}");
-        return Err(InputError::expected("--timeout-s", expected, timeout_s).into());
-    }
-    let is_bench = board::open::is_bench(port);
-    let port = board::open(port).map_err(|error| match error {
-        BoardError::Port(problem) => InputError::new("--port", problem).into(),
-        error => anyhow::Error::from(error),
-    })?;
-    let client = Client::connect(port, Duration::from_secs_f64(timeout_s))?;
-    if is_bench && client.welcome().sources != shared::SOURCES {
-        let problem = "the emulated board runs a program of other sources: end it (`board bench end`) and build it again \
-                       (`cargo servo`)";
-        return Err(InputError::new("--port", problem).into());
-    }
+    let timeout = timeout(timeout_s)?;
+    let client = Client::connect(board::open(port).map_err(of_port)?, timeout)?;
+    check_sources(port, client.welcome())?;
     Ok(client)
 }
 

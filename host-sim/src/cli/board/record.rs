@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 
 use super::capture::write_log;
+use super::consent;
 use super::port::connect;
 use super::upload;
 use crate::cli::outputs::print;
@@ -19,7 +20,7 @@ use model::machine::Machine;
 use motion::{Motion, PathBlock};
 use plant::machine_path::MachinePath;
 use shared::interpolate::{Block, PathError};
-use shared::link::message::{AXES, MOTION_BLOCKS, Request};
+use shared::link::message::{AXES, Halt, MOTION_BLOCKS, Request};
 use shared::link::refusal::Refusal;
 
 /// The machine file of the emulated board, used without `--machine`.
@@ -53,12 +54,14 @@ pub struct Recording<'a> {
     pub motion_file: &'a str,
     /// Log to write.
     pub out: &'a Path,
+    /// Whether it may move without asking.
+    pub yes: bool,
 }
 
 /// Runs the motion and writes its log.
 ///
 /// # Errors
-/// Input that the board refuses, a board that cannot be reached, drives that go off, lost samples, output that cannot be
+/// Input that the board refuses, no consent, a board that cannot be reached, drives that go off, lost samples, output that cannot be
 /// written.
 pub fn run(recording: &Recording<'_>) -> Result<()> {
     let Recording { machine, motion, motion_file, .. } = *recording;
@@ -70,6 +73,7 @@ pub fn run(recording: &Recording<'_>) -> Result<()> {
         let expected = format!("at most {MOTION_BLOCKS} blocks, which the board holds");
         return Err(InputError::expected(motion_file, expected, blocks.len()).at_key("block").into());
     }
+    consent::ask(&consequence(&path.start_m), recording.yes)?;
     let mut client = connect(recording.port, recording.timeout_s)?;
     let tick_hz = client.welcome().rates.velocity_loop_hz;
     check_ticks(machine, recording.machine_file, tick_hz)?;
@@ -95,6 +99,21 @@ pub fn run(recording: &Recording<'_>) -> Result<()> {
         if has_scale { "" } else { " Without the scales: a signal was missing." },
         summary(&samples)
     ))
+}
+
+/// What a recording does to the machine, in words.
+fn consequence(start_m: &[f64]) -> String {
+    format!(
+        "record switches the drives on if they are off, moves the axes in a straight line to the start of the motion ({}), and then \
+         along it",
+        place(start_m)
+    )
+}
+
+/// A position in words.
+fn place(at_m: &[f64]) -> String {
+    let axes = AXIS_NAMES.iter().zip(at_m).map(|(name, m)| format!("{name} {:.3}", 1e3 * m));
+    format!("{} mm", axes.collect::<Vec<_>>().join(", "))
 }
 
 /// The rate of the velocity loop has to be the tick rate of the board, as for an upload.
@@ -133,9 +152,7 @@ fn approach(client: &mut Client, start_m: &[f64], motion_file: &str) -> Result<S
     sent.map_err(|error| refused_at(error, motion_file, |_| "start_mm".to_owned()))?;
     client.start_motion(1)?;
     super::simple::wait(client).or_else(|error| discard_if_held(client, error))?;
-    let at: Vec<String> =
-        AXIS_NAMES.iter().zip(to_m).map(|(name, m)| format!("{name} {:.3}", 1e3 * m)).collect();
-    Ok(format!(" The axes were moved to its start first ({} mm).", at.join(", ")))
+    Ok(format!(" The axes were moved to its start first ({}).", place(&to_m)))
 }
 
 /// Runs the motion that was sent, and collects the samples from its start to its end.
@@ -190,12 +207,15 @@ fn run_and_stream(
 
 /// The error of a wait. If the path is held, its rest is discarded: a recording with a standstill in a block is of no use.
 fn discard_if_held(client: &mut Client, error: anyhow::Error) -> Result<()> {
-    let Some(BoardError::Held { silent_s }) = error.downcast_ref() else { return Err(error) };
+    let why = match error.downcast_ref() {
+        Some(BoardError::Held { silent_s }) => {
+            format!("the board held the path, since this program was silent for {silent_s} s")
+        }
+        Some(BoardError::HaltedByOther(Halt::Hold)) => "another program has held the path".to_owned(),
+        _ => return Err(error),
+    };
     client.command(&Request::Stop)?;
-    anyhow::bail!(
-        "the board held the path, since this program was silent for {silent_s} s; the rest of the path is discarded, and no log is \
-         written"
-    )
+    anyhow::bail!("{why}; the rest of the path is discarded, and no log is written")
 }
 
 /// A block that the board refuses is an error of the motion file.

@@ -1,14 +1,18 @@
 //! `lost-motion board` with `enable`, `disable`, `clear`, `hold`, `resume`, `stop` and `home`.
 
+use std::thread::sleep;
+
 use anyhow::{Result, bail};
 
 use super::port::{AxisArguments, PortArguments};
 use crate::cli::outputs::print;
 use crate::cli::stop;
-use ::board::{BoardError, Client, refusal};
+use ::board::motion::{POLL, stopped};
+use ::board::{BoardError, Client, Observer, refusal};
 use shared::interpolate::feed_hold::FeedState;
-use shared::link::Request;
+use shared::link::message::Halt;
 use shared::link::report::{Activity, HomingReport};
+use shared::link::{Refusal, Request, Status};
 use shared::safety::Power;
 
 /// Arguments of a command that needs nothing but the port.
@@ -32,12 +36,12 @@ pub fn enable(arguments: &Arguments) -> Result<()> {
     ))
 }
 
-/// Disables the drives.
+/// Disables the drives, also while another program holds the port.
 ///
 /// # Errors
 /// A board that cannot be reached.
 pub fn disable(arguments: &Arguments) -> Result<()> {
-    arguments.port.connect()?.command(&Request::Disable)?;
+    arguments.port.observe()?.halt(Halt::Disable)?;
     print("The drives are off.")
 }
 
@@ -55,32 +59,49 @@ pub fn clear(arguments: &Arguments) -> Result<()> {
     })
 }
 
-/// Holds the path.
+/// Holds the path, also that of another program that holds the port.
 ///
 /// # Errors
 /// A board that cannot be reached.
 pub fn hold(arguments: &Arguments) -> Result<()> {
-    let mut client = arguments.port.connect()?;
-    let status = client.status()?;
-    client.command(&Request::Hold)?;
-    print(match (status.activity, status.feed) {
-        (Activity::Idle, _) => "No path runs: nothing is held.",
-        (_, FeedState::Discarding) => "The path is being stopped: nothing is held.",
-        _ => "The path is held.",
+    let mut observer = arguments.port.observe()?;
+    observer.halt(Halt::Hold)?;
+    print(match seen(&mut observer)?.map(|status| (status.activity, status.feed)) {
+        None => "The path is held, if one runs; its host is at the other port of the board.",
+        Some((Activity::Idle, _)) => "No path runs: nothing is held.",
+        Some((_, FeedState::Discarding)) => "The path is being stopped: nothing is held.",
+        Some(_) => "The path is held.",
     })
 }
 
-/// Stops the path and waits until the axes are at rest.
+/// Stops the path, also that of another program that holds the port, and waits until the axes are at rest.
 ///
 /// # Errors
-/// A board that cannot be reached.
+/// A board that cannot be reached, drives that have stopped by a fault.
 pub fn stop(arguments: &Arguments) -> Result<()> {
-    let mut client = arguments.port.connect()?;
-    client.command(&Request::Stop)?;
-    if client.status()?.power.is_on() {
-        client.wait(|_, _| Ok(true))?;
+    let mut observer = arguments.port.observe()?;
+    observer.halt(Halt::Stop)?;
+    loop {
+        let Some(status) = seen(&mut observer)? else {
+            return print(
+                "The axes decelerate, if they moved; their host is at the other port of the board.",
+            );
+        };
+        match status.power {
+            Power::On if !status.at_rest || status.activity != Activity::Idle => sleep(POLL),
+            Power::Stopping(_) | Power::Faulted(_) => return Err(stopped(&status).into()),
+            Power::On | Power::Off => break,
+        }
     }
     print("The axes are at rest; the rest of the path is discarded.")
+}
+
+/// The state of the board; `None` if a host at its other port keeps it.
+fn seen(observer: &mut Observer) -> Result<Option<Status>> {
+    match observer.status() {
+        Err(BoardError::Refused(Refusal::OtherPort)) => Ok(None),
+        other => Ok(Some(other?)),
+    }
 }
 
 /// Continues a path that is held, and waits for its end.

@@ -6,7 +6,6 @@ use super::port::PortArguments;
 use crate::cli::outputs::print;
 use ::board::refusal::{self, AXIS_NAMES};
 use shared::interpolate::feed_hold::FeedState;
-use shared::link::message::{Reply, Request};
 use shared::link::report::{Activity, DirectionReport, UsbState};
 use shared::link::{Status, Welcome};
 use shared::safety::Power;
@@ -23,15 +22,13 @@ pub struct Arguments {
 /// # Errors
 /// A board that cannot be reached.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let mut client = arguments.port.connect()?;
-    let status = client.status()?;
-    let mut lines = describe(client.welcome(), &status);
-    if let Reply::FaultHistory(entries) = client.request(&Request::FaultHistory)? {
-        let tick_hz = client.welcome().rates.velocity_loop_hz;
-        for entry in &entries {
-            let ago_s = status.tick.saturating_sub(entry.tick) as f64 / tick_hz;
-            lines.push(format!("{ago_s:>10.1} s ago: {}", refusal::event(entry.event)));
-        }
+    let mut observer = arguments.port.observe()?;
+    let welcome = arguments.port.identify(&mut observer)?;
+    let status = observer.status()?;
+    let mut lines = describe(&welcome, &status);
+    for entry in observer.history()? {
+        let ago_s = status.tick.saturating_sub(entry.tick) as f64 / welcome.rates.velocity_loop_hz;
+        lines.push(format!("{ago_s:>10.1} s ago: {}", refusal::event(entry.event)));
     }
     print(&lines.join("\n"))
 }

@@ -4,10 +4,12 @@
 //! [`SharedDrive::with`]: ticks go on meanwhile.
 
 mod motion;
+mod outside;
 mod recording;
 mod saving;
 mod state;
 mod upload;
+mod waiting;
 
 use super::HostedDrive;
 use super::message::{AXES, BoardSettings, FromBoard, Reply, Request};
@@ -15,7 +17,7 @@ use super::packet::{self, Frame, Header, Packet, PacketError, VERSION};
 use super::port::{BytePort, SharedDrive};
 use super::receiver::{LinkCounts, Receiver};
 use super::refusal::Refusal;
-use super::report::{Identity, SettingsReport, Status, UsbState, Welcome};
+use super::report::{Identity, SettingsReport, UsbState, Welcome};
 use super::session::{SessionState, Verdict};
 use super::settings_memory::SettingsMemory;
 use crate::SOURCES;
@@ -24,6 +26,7 @@ use crate::scalar::Scalar;
 use embedded_storage::nor_flash::NorFlash;
 use saving::begin_save;
 use state::{Access, Motion, ServerState, Upload};
+use waiting::Waiting;
 
 /// Number of axes, for messages.
 #[expect(clippy::cast_possible_truncation, reason = "2")]
@@ -37,6 +40,7 @@ const BYTES_PER_POLL: usize = 64;
 pub struct Server {
     receiver: Receiver,
     state: ServerState,
+    waiting: Waiting,
     /// Bytes that wait to be sent, and how many of them have been.
     out: Frame,
     sent: usize,
@@ -60,6 +64,7 @@ impl Server {
                 stream_packets: 0,
                 streamed_at: 0,
             },
+            waiting: Waiting::NONE,
             out: Frame::new(),
             sent: 0,
         }
@@ -80,8 +85,11 @@ impl Server {
         }
     }
 
-    /// Takes what the port has received, executes at most one request, sends replies and the stream. To be called again and
-    /// again. It waits for the flash only, with the drives off.
+    /// Takes what the port has received, executes requests, sends replies and the stream. To be called again and again. It waits for
+    /// the flash only, with the drives off.
+    ///
+    /// A halt is executed as soon as it has been received, also while the port takes no bytes; any other request once the reply before
+    /// it has been sent.
     pub fn poll<'m, S: Scalar, F: NorFlash>(
         &mut self,
         port: &mut impl BytePort,
@@ -91,14 +99,19 @@ impl Server {
         self.state.usb = port.usb();
         self.flush(port);
         for _ in 0..BYTES_PER_POLL {
-            // A reply is sent before the next request is read.
-            if !self.out.is_empty() {
-                break;
-            }
+            self.take_waiting(&mut Access { drive, memory });
             let Some(byte) = port.read() else { break };
             let counts = self.receiver.counts();
-            if let Some(received) = self.receiver.push(byte) {
+            let Some(received) = self.receiver.push(byte) else { continue };
+            if self.out.is_empty() {
                 self.state.receive(received, counts, &mut Access { drive, memory }, &mut self.out);
+                self.flush(port);
+            } else if let Ok(packet) = received {
+                if self.state.halt_at_once(&packet, drive) {
+                    self.waiting.halted(packet.header);
+                } else {
+                    self.waiting.keep(&packet);
+                }
             }
         }
         self.state.feed_motion(drive);
@@ -109,6 +122,25 @@ impl Server {
         self.flush(port);
     }
 
+    /// Answers what has waited until the reply before it was sent: halts, then a request.
+    fn take_waiting<'m, S: Scalar, D: SharedDrive<'m, S>, F: NorFlash>(
+        &mut self,
+        access: &mut Access<'_, D, F>,
+    ) {
+        if !self.out.is_empty() {
+            return;
+        }
+        if let Some(header) = self.waiting.next_halted() {
+            send(header, Reply::Done, &mut self.out);
+        } else if let Some(packet) = self.waiting.packet() {
+            let counts = self.receiver.counts();
+            self.state.receive(Ok(packet), counts, access, &mut self.out);
+            self.waiting.forget();
+        }
+    }
+
+    // Not inlined: it is called several times.
+    #[inline(never)]
     fn flush(&mut self, port: &mut impl BytePort) {
         if let Some(rest) = self.out.get(self.sent..).filter(|rest| !rest.is_empty()) {
             self.sent += port.write(rest);
@@ -141,9 +173,7 @@ impl ServerState {
         let request = packet::message::<Request>(packet.message);
         if let Ok(Request::Hello { nonce }) = request {
             access.memory.discard();
-            let reply = self.hello(nonce, access.drive);
-            let session = self.session.number();
-            send(Header { session, sequence: packet.header.sequence }, reply, out);
+            self.greet(nonce, packet.header.sequence, access.drive, out);
             return;
         }
         match self.session.judge(&packet) {
@@ -161,27 +191,48 @@ impl ServerState {
                 access.drive.with(HostedDrive::heard);
                 out.clone_from(&self.kept);
             }
-            Verdict::Refuse(refusal) => send(packet.header, Reply::Refused(refusal), out),
+            Verdict::Refuse(refusal) => {
+                let reply = match request {
+                    Ok(request) => {
+                        self.execute_outside(&request, (packet.header, refusal), counts, access.drive)
+                    }
+                    Err(_) => Reply::Refused(refusal),
+                };
+                send(packet.header, reply, out);
+            }
         }
     }
 
     /// Opens a session. The stream of the previous one ends.
     #[inline(never)]
-    fn hello<'m, S: Scalar>(&mut self, nonce: u32, drive: &mut impl SharedDrive<'m, S>) -> Reply {
-        let (now, rates, capture_bytes) = drive.with(|drive| {
+    fn greet<'m, S: Scalar>(
+        &mut self,
+        nonce: u32,
+        sequence: u32,
+        drive: &mut impl SharedDrive<'m, S>,
+        out: &mut Frame,
+    ) {
+        let now = drive.with(|drive| {
             drive.stream().start(0);
             drive.greeted();
-            (drive.now(), self.settings.rates, drive.capture().capacity())
+            drive.now()
         });
         #[expect(clippy::cast_possible_truncation, reason = "the low half differs from run to run")]
         let session = self.session.hello(nonce, now as u32);
+        send(Header { session, sequence }, self.welcome(session, drive), out);
+    }
+
+    /// What the board is.
+    #[inline(never)]
+    fn welcome<'m, S: Scalar>(&self, session: u32, drive: &mut impl SharedDrive<'m, S>) -> Reply {
+        let capture_bytes = drive.with(|drive| drive.capture().capacity());
         Reply::Welcome(Welcome {
             session,
             board: text(self.identity.board),
             software: text(self.identity.software),
             sources: SOURCES,
             axes: AXIS_COUNT,
-            rates,
+            rates: self.settings.rates,
             times: self.identity.times,
             steps: self.identity.steps,
             capture_bytes: u32::try_from(capture_bytes).unwrap_or(u32::MAX),
@@ -194,6 +245,11 @@ impl ServerState {
         counts: LinkCounts,
         access: &mut Access<'_, D, F>,
     ) -> Reply {
+        if request.halt().is_none()
+            && let Some(halt) = access.drive.with(HostedDrive::take_halt_by_other)
+        {
+            return Reply::Refused(Refusal::HaltedByOther(halt));
+        }
         let done = match request {
             Request::BeginSave => begin_save(access),
             Request::Save => self.save(access),
@@ -211,38 +267,32 @@ impl ServerState {
         counts: LinkCounts,
         drive: &mut impl SharedDrive<'m, S>,
     ) -> Reply {
+        if let Some(reply) = self.look(request, counts, drive) {
+            return reply;
+        }
+        if let Some(halt) = request.halt() {
+            drive.with(|drive| drive.halt(halt));
+            return Reply::Done;
+        }
         let done = match request {
-            Request::Status => {
-                let report = self.report;
-                let usb = self.usb;
-                return Reply::Status(Status { usb, ..drive.with(|drive| drive.status(counts, report)) });
-            }
-            Request::FaultHistory => {
-                return Reply::FaultHistory(drive.with(|drive| drive.history().newest_first().collect()));
-            }
             Request::Capture => {
                 return Reply::Capture(drive.with(|drive| recording::report(drive.capture())));
             }
             Request::ReadCapture { offset } => return recording::read(drive, *offset),
             // They do not get here.
-            Request::Hello { .. } | Request::BeginSave | Request::Save | Request::Apply { .. } => {
-                Err(Refusal::Unreadable)
-            }
+            Request::Hello { .. }
+            | Request::BeginSave
+            | Request::Save
+            | Request::Apply { .. }
+            | Request::Hold
+            | Request::Stop
+            | Request::Disable
+            | Request::Status
+            | Request::FaultHistory
+            | Request::Identify => Err(Refusal::Unreadable),
             Request::Enable => drive.with(HostedDrive::enable),
-            Request::Disable => drive.with(|drive| {
-                drive.disable();
-                Ok(())
-            }),
             Request::Clear => drive.with(HostedDrive::clear),
-            Request::Hold => drive.with(|drive| {
-                drive.hold();
-                Ok(())
-            }),
             Request::Resume => drive.with(HostedDrive::resume),
-            Request::Stop => drive.with(|drive| {
-                drive.stop();
-                Ok(())
-            }),
             Request::Jog(jog) => self.jog(jog, drive),
             Request::CheckDirection { axis, settings } => {
                 drive.with(|drive| drive.check_direction(usize::from(*axis), settings))

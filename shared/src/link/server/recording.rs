@@ -62,6 +62,8 @@ fn period<S: Scalar>(drive: &HostedDrive<'_, S, AXES>, decimation: u32) -> u32 {
 
 impl ServerState {
     /// Sends samples that wait, when there are enough of them or they have waited long enough.
+    // Not inlined: its packet is not on the stack while a request is executed.
+    #[inline(never)]
     pub(super) fn stream<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S>, out: &mut Frame) {
         let interval = u64::from(self.identity.tick_hz / PACKETS_PER_SECOND);
         let since = self.streamed_at;

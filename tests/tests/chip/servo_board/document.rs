@@ -1,8 +1,14 @@
 //! The steps of `docs/board.md`: the commands are run, and what the page shows of their output is compared. `BLESS=1` writes the
 //! outputs again.
+//!
+//! Beside the commands of the program a block may have three of a shell: `&` behind a command starts it, `sleep` lets it run, `wait` waits
+//! until it has ended by itself or has been stopped by another one.
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Child;
+use std::thread::sleep;
+use std::time::Duration;
 
 use super::emulated_board::EmulatedBoard;
 
@@ -45,14 +51,12 @@ fn every_step_of_the_page_does_what_it_shows() {
         let mut shown = block.to_owned();
         match language {
             "sh" | "sh refused" => {
+                let mut started = None;
                 for command in block.replace("\\\n", " ").lines() {
-                    let arguments = command.strip_prefix("lost-motion ").expect("only this program is run");
-                    output = match language {
-                        "sh" => board.succeeds(arguments),
-                        _ => board.fails(1, arguments),
-                    };
+                    output = run(&board, command, language == "sh", &mut started);
                     commands += 1;
                 }
+                assert!(started.is_none(), "{block}: without a wait");
             }
             "text" if blesses => shown = trimmed(&output),
             "text" => {
@@ -66,6 +70,28 @@ fn every_step_of_the_page_does_what_it_shows() {
     assert!(commands >= 20, "{commands}");
     if blesses {
         fs::write(document(), written.join("```")).unwrap();
+    }
+}
+
+/// Runs a line of a block, which has to succeed or to fail. Returns its output; that of a `wait` is what the program that was started
+/// has told.
+fn run(board: &EmulatedBoard, line: &str, succeeds: bool, started: &mut Option<Child>) -> String {
+    if let Some(seconds) = line.strip_prefix("sleep ") {
+        sleep(Duration::from_secs(seconds.parse().unwrap()));
+        return String::new();
+    }
+    if line == "wait" {
+        let output = started.take().expect("a command was started").wait_with_output().unwrap();
+        return String::from_utf8(output.stderr).unwrap();
+    }
+    let command = line.strip_prefix("lost-motion ").expect("only this program is run");
+    match command.strip_suffix(" &") {
+        Some(command) => {
+            assert!(started.replace(board.start(command)).is_none(), "{line}: one at a time");
+            String::new()
+        }
+        None if succeeds => board.succeeds(command),
+        None => board.fails(1, command),
     }
 }
 

@@ -68,7 +68,7 @@ fn a_wrong_setting_is_refused_by_name() {
     let refused = board.fails(2, "board upload --port bench --machine wrong.toml");
     assert!(refused.contains("wrong.toml") && refused.contains("expected 20000"), "{refused}");
     let motion = EmulatedBoard::file("host-sim/motions/bench_travel.toml").display().to_string();
-    let record = format!("record --port bench --machine wrong.toml --motion {motion} --out out.csv");
+    let record = format!("record --port bench --machine wrong.toml --motion {motion} --out out.csv --yes");
     let refused = board.fails(2, &record);
     assert!(refused.contains("wrong.toml: velocity_loop_rate_hz: expected 20000, the tick"), "{refused}");
     std::fs::write(board.path().join("machine.toml"), machine).unwrap();

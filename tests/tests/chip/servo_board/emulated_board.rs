@@ -55,7 +55,7 @@ impl EmulatedBoard {
         Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name(name)
     }
 
-    fn command(&self, arguments: &str) -> Command {
+    pub fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(tests::program::lost_motion());
         command.args(arguments.split_whitespace()).current_dir(self.path());
         // A short path: those of sockets are limited to 107 bytes.

@@ -47,8 +47,8 @@ fn the_tracer_finds_the_undeclared_backlash_of_the_board() {
         let text = board.succeeds(&format!("board home --port bench --axis {axis}"));
         assert!(text.contains("is homed"), "{text}");
     }
-    board.succeeds(&format!("record --port bench --motion {travel} --out travel.csv"));
-    board.succeeds(&format!("record --port bench --motion {circle} --out circle.csv"));
+    board.succeeds(&format!("record --port bench --motion {travel} --out travel.csv --yes"));
+    board.succeeds(&format!("record --port bench --motion {circle} --out circle.csv --yes"));
     board.succeeds(&format!(
         "trace --machine {machine} --fit travel.csv --validate circle.csv --json out.json"
     ));
@@ -69,7 +69,7 @@ fn the_tracer_finds_the_undeclared_backlash_of_the_board() {
 fn a_recording_of_a_silent_host_fails_and_leaves_nothing_held() {
     let Some(board) = EmulatedBoard::armed() else { return };
     let motion = board.at_start_of_travel();
-    let record = board.start(&format!("record --port bench --motion {motion} --out travel.csv"));
+    let record = board.start(&format!("record --port bench --motion {motion} --out travel.csv --yes"));
     // Of 7 s of motion.
     sleep(Duration::from_secs(2));
     let signal = |name: &str| {

@@ -5,6 +5,8 @@
 mod document;
 mod drives;
 mod emulated_board;
+mod halts;
+mod idle;
 mod logs;
 mod ports;
 mod sensors;

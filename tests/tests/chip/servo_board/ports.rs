@@ -10,7 +10,7 @@ use serialport::{SerialPort, TTYPort};
 use super::emulated_board::EmulatedBoard;
 
 /// Motions of 6 s and more, with what prepares them.
-const MOTIONS: [(&[&str], &str); 4] = [
+pub const MOTIONS: [(&[&str], &str); 4] = [
     (&[], "board jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600"),
     (&[], "board jog --port bench --axis x --for-s 20 --speed-mm-per-min 300"),
     (&[], "board home --port bench --axis y"),
@@ -24,13 +24,13 @@ const MOTIONS: [(&[&str], &str); 4] = [
     ),
 ];
 
-fn interrupt(child: &Child) {
+pub fn interrupt(child: &Child) {
     let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(sent.success());
 }
 
 /// The command of an axis, mm, by the status.
-fn at_mm(status: &str, axis: &str) -> f64 {
+pub fn at_mm(status: &str, axis: &str) -> f64 {
     let line = status.lines().find(|line| line.starts_with(axis)).unwrap();
     line.split_whitespace().nth(1).unwrap().parse().unwrap()
 }
@@ -69,7 +69,7 @@ fn an_interrupt_of_a_motion_leaves_standing_axes() {
 fn an_interrupt_of_a_recording_leaves_standing_axes_and_no_log() {
     let Some(board) = EmulatedBoard::armed() else { return };
     let motion = board.at_start_of_travel();
-    let recording = board.start(&format!("record --port bench --motion {motion} --out travel.csv"));
+    let recording = board.start(&format!("record --port bench --motion {motion} --out travel.csv --yes"));
     // Of 7 s of motion.
     sleep(Duration::from_secs(2));
     interrupt(&recording);
@@ -81,6 +81,34 @@ fn an_interrupt_of_a_recording_leaves_standing_axes_and_no_log() {
     assert!(left.iter().all(|name| !name.to_string_lossy().contains("travel")), "{left:?}");
     let status = board.succeeds("board status --port bench");
     assert!(status.contains("path: at rest") && status.contains("drives: on"), "{status}");
+    sleep(Duration::from_millis(500));
+    let later = board.succeeds("board status --port bench");
+    for axis in ["x ", "y "] {
+        assert!((at_mm(&later, axis) - at_mm(&status, axis)).abs() < 1e-9, "{status} {later}");
+    }
+}
+
+/// Ctrl-C on the way to the start of a recording: the axes stand before they have reached it.
+#[test]
+fn an_interrupt_on_the_way_to_the_start_of_a_recording_leaves_standing_axes() {
+    let Some(board) = EmulatedBoard::armed() else { return };
+    for axis in ["x", "y"] {
+        board.succeeds(&format!("board home --port bench --axis {axis}"));
+    }
+    let motion = EmulatedBoard::file("host-sim/motions/bench_travel.toml").display().to_string();
+    let before = board.succeeds("board status --port bench");
+    let recording = board.start(&format!("record --port bench --motion {motion} --out travel.csv --yes"));
+    // Some 130 mm at 20 mm/s.
+    sleep(Duration::from_secs(2));
+    interrupt(&recording);
+    let output = recording.wait_with_output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{message}");
+    assert!(message.contains("the axes stand, and the rest of the path is discarded"), "{message}");
+    let status = board.succeeds("board status --port bench");
+    assert!(status.contains("path: at rest") && status.contains("drives: on"), "{status}");
+    let way_mm = ["x ", "y "].map(|axis| (at_mm(&status, axis) - at_mm(&before, axis)).abs());
+    assert!(way_mm.iter().any(|mm| *mm > 5.0) && way_mm.iter().all(|mm| *mm < 60.0), "{status}");
     sleep(Duration::from_millis(500));
     let later = board.succeeds("board status --port bench");
     for axis in ["x ", "y "] {
@@ -110,13 +138,14 @@ fn an_interrupt_of_a_direction_check_ends_it() {
     }
 }
 
-/// While one program moves an axis, another one is refused at once, with the command and the process of the first. The first goes on.
+/// While one program moves an axis, what needs a session is refused to another one at once, with the command and the process of the
+/// first, which goes on.
 #[test]
 fn a_second_program_is_told_who_holds_the_port() {
     let Some(board) = EmulatedBoard::armed() else { return };
     let moving = board.start("board jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600");
     sleep(Duration::from_secs(1));
-    for command in ["stop", "disable", "status", "hold"] {
+    for command in ["enable", "clear", "resume", "home --axis y", "jog --axis y --by-mm 1"] {
         let started = Instant::now();
         let refused = board.fails(1, &format!("board {command} --port bench"));
         assert!(started.elapsed() < Duration::from_secs(2), "{command}: {:?}", started.elapsed());
@@ -125,7 +154,13 @@ fn a_second_program_is_told_who_holds_the_port() {
             moving.id()
         );
         assert!(refused.contains("in use by lost-motion") && refused.contains(&holder), "{refused}");
+        assert!(
+            refused.contains("`board stop`, `hold`, `disable`, `status` and `monitor` work"),
+            "{refused}"
+        );
     }
+    let status = board.succeeds("board status --port bench");
+    assert!(status.contains("path: jog\n") && (5.0..55.0).contains(&at_mm(&status, "x ")), "{status}");
     interrupt(&moving);
     assert_eq!(moving.wait_with_output().unwrap().status.code(), Some(130));
     board.succeeds("board stop --port bench");

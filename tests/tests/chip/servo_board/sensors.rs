@@ -67,13 +67,13 @@ fn a_direction_check_by_hand_waits_for_the_switch() {
     assert!((0.15..0.3).contains(&motor_mm) && (0.15..0.3).contains(&scale_mm), "{status}");
 }
 
-/// Another command ends a check that waits: closing the switch afterwards pushes nothing. That it also expires with the silence of its
+/// Another command that opens a session ends a check that waits: closing the switch afterwards pushes nothing. That it also expires with the silence of its
 /// host is tested with the ticks of `shared/tests/link/direction.rs`.
 #[test]
 fn a_direction_check_ends_with_the_next_session() {
     let Some(board) = EmulatedBoard::new() else { return };
     board.succeeds("board check-direction --port bench --axis x --force-n 40 --no-wait");
-    board.succeeds("board status --port bench");
+    board.succeeds("board clear --port bench");
     board.succeeds("board bench close-switch");
     let status = board.succeeds("board status --port bench");
     assert!(status.contains("direction check of x: ended before the enable switch was closed"), "{status}");

@@ -193,7 +193,7 @@ fn a_query_of_a_board_that_is_not_built_compiles_nothing() {
         "board monitor --port bench --lines 1",
         "board jog --port bench --axis x --by-mm 1",
         "board bench close-switch",
-        "record --port bench --motion motion.toml --out out.csv",
+        "record --port bench --motion motion.toml --out out.csv --yes",
         "record --port emulated --machine machine.toml --motion motion.toml --out out.csv",
     ] {
         let output = Command::new(path("lost-motion"))

@@ -1,0 +1,53 @@
+//! What holds, stops or switches off, for the host and for anybody else.
+
+use super::HostedDrive;
+use crate::link::message::Halt;
+use crate::safety::Power;
+use crate::scalar::Scalar;
+
+impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
+    /// Holds the path, and ends a direction check, which has none.
+    pub fn hold(&mut self) {
+        self.system.stop_direction_check();
+        if self.is_at_rest().is_err() {
+            self.machine_mut().hold();
+        }
+    }
+
+    /// Decelerates and discards the rest of the path and of the motion.
+    pub fn stop(&mut self) {
+        (self.blocks_left, self.jog_remaining) = (0, None);
+        self.system.stop_homing();
+        self.system.stop_direction_check();
+        self.machine_mut().discard_path();
+    }
+
+    /// Disables the drives, and ends a direction check. A fault remains until it is acknowledged.
+    pub fn disable(&mut self) {
+        self.system.stop_direction_check();
+        if !matches!(self.machine().power(), Power::Faulted(_)) {
+            self.machine_mut().disable();
+        }
+    }
+
+    /// Holds, stops or disables for the host.
+    pub fn halt(&mut self, halt: Halt) {
+        match halt {
+            Halt::Hold => self.hold(),
+            Halt::Stop => self.stop(),
+            Halt::Disable => self.disable(),
+        }
+    }
+
+    /// Holds, stops or disables for somebody without the session. That is no sign of life of the host, who is told so with its next
+    /// request: also if nothing moves, since it may be about to start something. Of several halts the strongest is told.
+    pub fn halt_from_outside(&mut self, halt: Halt) {
+        self.halt(halt);
+        self.halted_by_other = self.halted_by_other.max(Some(halt));
+    }
+
+    /// What somebody without the session has asked for since the last request of the host. It is told once.
+    pub const fn take_halt_by_other(&mut self) -> Option<Halt> {
+        self.halted_by_other.take()
+    }
+}
