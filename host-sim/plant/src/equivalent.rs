@@ -201,9 +201,11 @@ fn equivalent_axis(axis: &Axis, simulated: &Loop, tick_s: f64) -> Axis {
 fn equivalent_effects(axis: &Axis) -> Vec<Effect> {
     let parameters = AxisParameters::of(axis).with_motor_as_commanded();
     let declared = &parameters.lost_motion;
-    let (width_um, um_s2_per_m) = (parameters.reversal_width_um(), stretch_um_s2_per_m(axis));
+    let (width_um, stretch_um_s2_per_m) = (parameters.reversal_width_um(), stretch_um_s2_per_m(axis));
     // All of the width may be the stretch by friction, either way, and no more.
-    let assumed_m_per_s2 = FRICTION_M_PER_S2.min(0.5 * width_um / um_s2_per_m);
+    let assumed_m_per_s2 = stretch_um_s2_per_m
+        .map_or(FRICTION_M_PER_S2, |um_s2_per_m| FRICTION_M_PER_S2.min(0.5 * width_um / um_s2_per_m));
+    let um_s2_per_m = stretch_um_s2_per_m.unwrap_or(STRETCH_UM_S2_PER_M);
     let lost = LostMotion {
         width_um,
         friction_m_per_s2: declared.friction_m_per_s2.or(Some(assumed_m_per_s2)),
@@ -229,15 +231,15 @@ fn equivalent_effects(axis: &Axis) -> Vec<Effect> {
     effects
 }
 
-/// Lag of the table per acceleration: of the drive train, and of the rotor of a stepper motor.
-fn stretch_um_s2_per_m(axis: &Axis) -> f64 {
+/// Lag of the table per acceleration, of the drive train and of the rotor of a stepper motor; `None`: not known.
+fn stretch_um_s2_per_m(axis: &Axis) -> Option<f64> {
     let of_effect = |effect: &Effect| match effect {
         Effect::InertialWindup(windup) => windup.um_s2_per_m,
         Effect::LoadAngle(angle) => angle.um_s2_per_m,
         _ => 0.0,
     };
     let um_s2_per_m: f64 = axis.effect.iter().map(of_effect).sum();
-    if um_s2_per_m > 0.0 { um_s2_per_m } else { STRETCH_UM_S2_PER_M }
+    (um_s2_per_m > 0.0).then_some(um_s2_per_m)
 }
 
 const fn reading_error(error: &PeriodicError) -> Effect {
