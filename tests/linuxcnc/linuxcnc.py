@@ -2,7 +2,8 @@
 """LinuxCNC moves machines with errors; its logs are traced, compensated and moved again.
 
 Usage: linuxcnc.py LOST-MOTION FOLDER [USER [CASE...]]. LinuxCNC refuses to run as root; USER runs it there, "" is nobody else. The machines
-are those of cases.py. The last line is JSON: contour error before, predicted and after, µm rms on the circle.
+are those of cases.py. The last line is JSON: contour error before, predicted and after, µm rms on the circle, and the
+range of the prediction.
 """
 
 import csv
@@ -187,7 +188,8 @@ def run(case, number):
     [motion] = json.loads((folder / "verify.json").read_text())["motions"]
     errors = motion["contour_error_um"]
     return {"case": case.name, "effects": case.effects, "found": found(folder / "trace.json"),
-            "contour_error_um": {key: errors[key]["rms"] for key in ("before", "predicted", "after")}}
+            "contour_error_um": {key: errors[key]["rms"] for key in ("before", "predicted", "after")},
+            "predicted_range_um": motion["predicted_range_um"]}
 
 
 def page(results):

@@ -107,6 +107,8 @@ pub struct Evaluation<'a> {
     path: &'a NominalPath,
     settling: u64,
     taken: u64,
+    /// Samples in which the command moved.
+    moved: u64,
     last_command: Option<Point>,
     command_progress_m: f64,
     total: Magnitude,
@@ -128,6 +130,7 @@ impl<'a> Evaluation<'a> {
             path,
             settling,
             taken: 0,
+            moved: 0,
             last_command: None,
             command_progress_m: 0.0,
             total: Magnitude::default(),
@@ -154,6 +157,9 @@ impl<'a> Evaluation<'a> {
         let on_path = self.path.nearest(command, self.command_progress_m, ahead_m);
         self.command_progress_m = on_path.progress_m;
         self.taken += 1;
+        self.moved += u64::from(step_m > 0.0);
+        // From the same point of the path on in each log of a motion, however long it stands before.
+        let travel_m = if self.moved > self.settling { step_m } else { 0.0 };
         if self.taken <= self.settling {
             return None;
         }
@@ -162,7 +168,7 @@ impl<'a> Evaluation<'a> {
         if self.path.axes() == 1 {
             let error_m = tool[0] - command[0];
             self.count(error_m, &on_path);
-            self.across.add(tool, &Nearest { point: *command, ..on_path }, 1);
+            self.across.add(tool, &Nearest { point: *command, ..on_path }, (1, travel_m));
             return Some(error_m);
         }
         let reach_m = WINDOW_PER_DISTANCE * distance(tool, command) + MARGIN_M;
@@ -170,7 +176,7 @@ impl<'a> Evaluation<'a> {
             self.path.nearest(tool, self.command_progress_m - reach_m, self.command_progress_m + reach_m);
         let error_m = signed_m(tool, &nearest, self.path.axes());
         self.count(error_m, &nearest);
-        self.across.add(tool, &nearest, self.path.axes());
+        self.across.add(tool, &nearest, (self.path.axes(), travel_m));
         corner::near(&mut self.corners, nearest.progress_m).for_each(|corner| corner.add(tool, &nearest));
         if step_m > 0.0 {
             self.circles.iter_mut().for_each(|circle| circle.add(tool, nearest.progress_m));

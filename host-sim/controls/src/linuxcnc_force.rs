@@ -8,6 +8,7 @@
 
 use model::axis::Drive;
 use plant::equivalent;
+use plant::friction_direction::DRIVE_SLIP_M;
 use shared::compensate::settings::{ForceModel, Stribeck, TableFriction};
 
 use crate::errors::AxisErrors;
@@ -18,8 +19,8 @@ const SIGN_WIDTH_MM_S: f64 = 0.2;
 /// What the lines need.
 pub const WIRING: &str = "the lines of FORCE_ and FRICTION do something only where the HAL file has the components that read them: docs/linuxcnc.md, \"Friction\"";
 
-/// Share of the friction of a velocity drive that turns over in a millimetre, 1/mm: as in its trace, 5 µm.
-const TURNOVER_PER_MM: f64 = 200.0;
+/// Share of the friction of a velocity drive that turns over in a millimetre, 1/mm: the slip of its trace.
+const TURNOVER_PER_MM: f64 = 1e-3 / DRIVE_SLIP_M;
 
 /// The lines of an axis.
 #[must_use]
@@ -66,7 +67,7 @@ fn rise_n(stribeck: Option<Stribeck>) -> f64 {
 
 /// The velocity, mm/s, that the gain of the drive's loop turns into the force of the friction: F/m·τ.
 fn of_velocity_drive(force: &ForceModel, axis: &AxisErrors<'_>) -> String {
-    let friction_m_per_s2 = force.share * force.motor_coulomb_n / equivalent::MOTOR_KG;
+    let friction_m_per_s2 = force.share * force.friction.coulomb_n / equivalent::MOTOR_KG;
     let velocity_mm_s = 1e3 * friction_m_per_s2 * axis.fitted.time_constant_s;
     let decay = 1.0 - (-axis.fitted.integral_per_s.max(0.0) * axis.period_s).exp();
     format!(

@@ -146,7 +146,8 @@ fn the_friction_of_a_velocity_drive_is_a_velocity_for_linuxcnc() {
     let text = "name = \"mill\"\nsample_rate_hz = 1000.0\n[axis.x]\ndrive = \"velocity\"\nposition_gain_per_s = 50.0\n\
                 [axis.x.log_offsets]\nvelocity_time_constant_ms = 4.0\nvelocity_integral_per_s = 62.5\nvelocity_friction_m_per_s2 = 1.0\n";
     let machine = Machine::parse(text, "mill.toml").unwrap();
-    let force = ForceModel { motor_coulomb_n: plant::equivalent::MOTOR_KG, ..ForceModel::default() };
+    let friction = TableFriction { coulomb_n: plant::equivalent::MOTOR_KG, ..TableFriction::default() };
+    let force = ForceModel { friction, ..ForceModel::default() };
     let compensation = CompensationSettings { force: Some(force), ..CompensationSettings::default() };
     let x = AxisCompensation { mapped_mm: None, controller: ControllerChange::default(), compensation };
     let axis = [("x".to_owned(), x)].into_iter().collect();

@@ -27,6 +27,8 @@ pub struct AxisMotion<L = f64> {
     pub drive_n: L,
     /// Friction of the guide without its viscous part, mean of the last step, N.
     pub friction_n: L,
+    /// Direction of the motor's friction that turns over with the travel, −1 to 1.
+    pub motor_direction: L,
     /// Change of the motor's velocity over the last step, m/s.
     pub motor_change: L,
     /// Change of the table's velocity over the last step, m/s.
@@ -47,6 +49,7 @@ impl<L: Lane> AxisMotion<L> {
             time_s: convert(|motion| motion.time_s),
             drive_n: convert(|motion| motion.drive_n),
             friction_n: convert(|motion| motion.friction_n),
+            motor_direction: convert(|motion| motion.motor_direction),
             motor_change: convert(|motion| motion.motor_change),
             table_change: convert(|motion| motion.table_change),
         }

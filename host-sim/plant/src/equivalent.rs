@@ -1,12 +1,15 @@
 //! Axes of which masses or loops are not known, as axes that can be simulated.
 //!
 //! A drive whose velocity is commanded has the time constant τ = m/Kv and the friction F/m: its mass itself changes nothing, and any
-//! large one serves. A stepper motor follows its command. What of a loop is not known is assumed, and said.
+//! large one serves. A stepper motor follows its command ([`following`]). What of a loop is not known is assumed, and said.
+
+mod following;
 
 use std::borrow::Cow;
 
 use model::axis::{Drive, Law, Mechanics, Pid, Settings};
-use model::effects::{Effect, InertialWindup, LostMotion, PeriodicError, ResolverDividing};
+use model::effects::{Effect, InertialWindup, LostMotion, PeriodicError, ResolverDividing, VelocityLag};
+use model::machine::nominal::LogOffsets;
 use model::machine::{Axis, Machine};
 use model::servo::{self, VelocityDrive};
 
@@ -63,8 +66,8 @@ struct Loop {
     assumed: Option<&'static str>,
 }
 
-/// A loop that follows its command, in steady motion without an error: its integral part removes the lag of the velocity. With a
-/// feed-forward ahead of the command, it would follow a step of a compensation twice as far.
+/// A loop for masses without gains, or on a scale. It follows its command, in steady motion without an error: its integral part removes the
+/// lag of the velocity. With a feed-forward ahead of the command, it would follow a step of a compensation twice as far.
 const FOLLOWING: Loop = Loop {
     position_gain_per_s: 50.0,
     feedforward_percent: 100.0,
@@ -128,34 +131,45 @@ pub fn of(machine: &Machine) -> (Cow<'_, Machine>, Vec<Assumed>) {
     }
     let mut equivalent = machine.clone();
     let mut assumed = Vec::new();
-    let mut shortest_s = f64::INFINITY;
+    let pace = following::Pace::of(machine);
+    equivalent.velocity_loop_rate_hz = Some(velocity_loop_rate_hz(machine));
+    let tick_s = 1.0 / equivalent.velocity_rate_hz();
     for (name, axis) in &mut equivalent.axis {
         if !is_complete(axis) {
             let simulated = Loop::of(axis);
             let further = (axis.settings.pid != Pid::default()).then_some(NO_PID);
             let what = simulated.assumed.into_iter().chain(further);
             assumed.extend(what.map(|what| Assumed { axis: name.clone(), what }));
-            shortest_s = shortest_s.min(simulated.time_constant_s);
-            *axis = equivalent_axis(axis, &simulated);
+            let follows = following::follows(axis);
+            *axis = if follows {
+                following::axis(axis, pace)
+            } else {
+                equivalent_axis(axis, &simulated, tick_s)
+            };
         }
-    }
-    if machine.velocity_loop_rate_hz.is_none() {
-        let steps = (TICKS.0 / (shortest_s * machine.sample_rate_hz)).ceil().clamp(1.0, TICKS.1);
-        equivalent.velocity_loop_rate_hz = Some(steps * machine.sample_rate_hz);
     }
     (Cow::Owned(equivalent), assumed)
 }
 
-fn equivalent_axis(axis: &Axis, simulated: &Loop) -> Axis {
+/// The declared rate of the velocity loop, or one that resolves the time constants.
+fn velocity_loop_rate_hz(machine: &Machine) -> f64 {
+    let simulated = machine.axis.values().filter(|axis| !is_complete(axis)).map(Loop::of);
+    let shortest_s = numerics::min(simulated.map(|simulated| simulated.time_constant_s));
+    let steps = (TICKS.0 / (shortest_s * machine.sample_rate_hz)).ceil().clamp(1.0, TICKS.1);
+    machine.velocity_loop_rate_hz.unwrap_or(steps * machine.sample_rate_hz)
+}
+
+/// An axis without a mass has the fitted drive as it was fitted, in continuous time: a velocity loop of the period T would read a velocity
+/// that is T/2 old and hold its force for T, and with its integral part the axis would be ahead by T. Its reading is therefore later than a
+/// difference of two readings by −T. The friction turns over with the travel, as in the fit.
+fn equivalent_axis(axis: &Axis, simulated: &Loop, tick_s: f64) -> Axis {
     let Settings { names, mut controller, filters, limits, mechanics, sensors, pid: _ } =
         axis.settings.clone();
-    let friction_m_per_s2 = axis.log_offsets.and_then(|offsets| offsets.velocity_friction_m_per_s2);
     let mechanics = if axis.settings.has_mass() {
         mechanics
     } else {
         Mechanics {
             motor_mass_kg: Some(MOTOR_KG),
-            motor_coulomb_n: friction_m_per_s2.map(|friction| MOTOR_KG * friction.max(0.0)),
             lead_mm: mechanics.lead_mm,
             ..Mechanics::default()
         }
@@ -168,18 +182,33 @@ fn equivalent_axis(axis: &Axis, simulated: &Loop) -> Axis {
     controller.velocity_gain_n_s_per_m = Some(mass_kg / simulated.time_constant_s);
     controller.velocity_integral_time_s = simulated.integral_time_s;
     controller.force_limit_n = None;
-    let effect = if axis.settings.has_mass() { axis.effect.clone() } else { equivalent_effects(axis) };
     let settings = Settings { names, controller, pid: Pid::default(), filters, limits, mechanics, sensors };
-    Axis { settings, effect, empirical: axis.empirical.clone(), ..Axis::default() }
+    let equivalent = Axis { settings, empirical: axis.empirical.clone(), ..Axis::default() };
+    if axis.settings.has_mass() {
+        return Axis { effect: axis.effect.clone(), ..equivalent };
+    }
+    let mut effect = equivalent_effects(axis);
+    if !effect.iter().any(|effect| matches!(effect, Effect::VelocityLag(_))) {
+        effect.push(Effect::VelocityLag(VelocityLag { ms: -1e3 * tick_s }));
+    }
+    let velocity_friction_m_per_s2 =
+        axis.log_offsets.and_then(|offsets| offsets.velocity_friction_m_per_s2);
+    let log_offsets = Some(LogOffsets { velocity_friction_m_per_s2, ..LogOffsets::default() });
+    Axis { effect, log_offsets, ..equivalent }
 }
 
 /// The effects with everything by which the table turns late in one lost motion, behind the motor as commanded.
 fn equivalent_effects(axis: &Axis) -> Vec<Effect> {
     let parameters = AxisParameters::of(axis).with_motor_as_commanded();
     let declared = &parameters.lost_motion;
+    let (width_um, stretch_um_s2_per_m) = (parameters.reversal_width_um(), stretch_um_s2_per_m(axis));
+    // All of the width may be the stretch by friction, either way, and no more.
+    let assumed_m_per_s2 = stretch_um_s2_per_m
+        .map_or(FRICTION_M_PER_S2, |um_s2_per_m| FRICTION_M_PER_S2.min(0.5 * width_um / um_s2_per_m));
+    let um_s2_per_m = stretch_um_s2_per_m.unwrap_or(STRETCH_UM_S2_PER_M);
     let lost = LostMotion {
-        width_um: parameters.reversal_width_um(),
-        friction_m_per_s2: declared.friction_m_per_s2.or(Some(FRICTION_M_PER_S2)),
+        width_um,
+        friction_m_per_s2: declared.friction_m_per_s2.or(Some(assumed_m_per_s2)),
         presliding_um: declared.presliding_um.or(Some(PRESLIDING_UM)),
     };
     let is_other = |effect: &&Effect| {
@@ -187,6 +216,7 @@ fn equivalent_effects(axis: &Axis) -> Vec<Effect> {
             effect,
             Effect::Backlash(_)
                 | Effect::LostMotion(_)
+                | Effect::InertialWindup(_)
                 | Effect::LoadAngle(_)
                 | Effect::ForceWindup(_)
                 | Effect::MicrostepError(_)
@@ -195,12 +225,21 @@ fn equivalent_effects(axis: &Axis) -> Vec<Effect> {
         )
     };
     let mut effects: Vec<Effect> = axis.effect.iter().filter(is_other).cloned().collect();
-    if !effects.iter().any(|effect| matches!(effect, Effect::InertialWindup(_))) {
-        effects.push(Effect::InertialWindup(InertialWindup { um_s2_per_m: STRETCH_UM_S2_PER_M }));
-    }
+    effects.push(Effect::InertialWindup(InertialWindup { um_s2_per_m }));
     effects.push(Effect::LostMotion(lost));
     effects.extend(parameters.resolver.iter().map(reading_error));
     effects
+}
+
+/// Lag of the table per acceleration, of the drive train and of the rotor of a stepper motor; `None`: not known.
+fn stretch_um_s2_per_m(axis: &Axis) -> Option<f64> {
+    let of_effect = |effect: &Effect| match effect {
+        Effect::InertialWindup(windup) => windup.um_s2_per_m,
+        Effect::LoadAngle(angle) => angle.um_s2_per_m,
+        _ => 0.0,
+    };
+    let um_s2_per_m: f64 = axis.effect.iter().map(of_effect).sum();
+    (um_s2_per_m > 0.0).then_some(um_s2_per_m)
 }
 
 const fn reading_error(error: &PeriodicError) -> Effect {

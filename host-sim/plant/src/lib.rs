@@ -13,10 +13,11 @@
 //! | [`parameters`] | the physical parameters of an axis: keys and effects of the machine file, in SI |
 //! | [`mechanics`] | one step of an axis from its drive to its table: motor, screw, guide |
 //! | [`transition`] | its linear part: masses, spring, viscous friction and drive lag, exact |
+//! | [`following`] | instead of a motor with masses: one that follows its command |
 //! | [`screw`] | pitch errors, backlash and elasticity between motor and table |
 //! | [`scale`] | errors of the linear scale |
 //! | [`guide`] | force of the guideway over a step: implicit friction, load |
-//! | [`friction`], [`presliding`] | the friction laws |
+//! | [`friction`], [`presliding`], [`friction_direction`] | the friction laws |
 //! | [`axis_motion`] | the state of an axis: positions, velocities, bristles |
 //! | [`coupled_axes`], [`multibody`] | instead of `mechanics` where the machine file describes rigid bodies |
 //! | [`tool_point`] | from table to tool: offsets by acceleration, position and time; modes; alignment of the probe |
@@ -35,7 +36,9 @@ pub mod coupled_axes;
 pub mod delay;
 pub mod driven;
 pub mod equivalent;
+pub mod following;
 pub mod friction;
+pub mod friction_direction;
 pub mod guide;
 pub mod instruments;
 pub mod lane;

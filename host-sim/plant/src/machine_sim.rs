@@ -9,10 +9,12 @@ use wide::f64x2;
 use super::axis_motion::AxisMotion;
 use super::coupled_axes::CoupledAxes;
 use super::delay::{Delay, ForceDelay, ForcePath, LogDelay};
+use super::following::Following;
 use super::instruments::Instruments;
 use super::mechanics::Stepper;
 use super::parameters::AxisParameters;
 use super::residual_tables::{Displacement, TableInput, displacement};
+use super::sensors::Sensor;
 use super::tool_point::{self, Modes, Tables};
 use model::bodies::StructureError;
 use model::effects::Channel;
@@ -42,6 +44,7 @@ struct SimulatedAxis {
     parameters: AxisParameters,
     stepper: Stepper<f64>,
     motion: AxisMotion,
+    following: Option<Following>,
     modes: Modes,
     motor_delay: Option<Delay>,
     table_delay: Option<Delay>,
@@ -117,8 +120,12 @@ impl MachineSim {
             Some(bodies) => Some(CoupledAxes::new(bodies, &parameters, start_m, lag_s, timing.step_s)?),
             None => None,
         };
-        let axis = |(parameters, &start_m)| SimulatedAxis::at_rest(parameters, &instruments, start_m, timing);
-        let axes: Vec<SimulatedAxis> = parameters.into_iter().zip(start_m).map(axis).collect();
+        let axis = |((parameters, &start_m), axis)| {
+            let following = Following::of(axis);
+            SimulatedAxis { following, ..SimulatedAxis::at_rest(parameters, &instruments, start_m, timing) }
+        };
+        let declared = parameters.into_iter().zip(start_m).zip(machine.axis.values());
+        let axes: Vec<SimulatedAxis> = declared.map(axis).collect();
         Ok(Self {
             names: machine.axis.keys().cloned().collect(),
             groups: groups(&axes),
@@ -147,15 +154,20 @@ impl MachineSim {
     pub fn read(&mut self, readings: &mut [Reading]) {
         for (axis, reading) in self.axes.iter_mut().zip(readings) {
             let AxisMotion { motor_m, motor_m_per_s, table_m, table_m_per_s, .. } = axis.motion;
+            let (sensor, motor_delay) = match axis.following {
+                // Steps are counted, not read: its reading has no noise, and is not late.
+                Some(_) => (Sensor::default(), &mut None),
+                None => (self.instruments.motor, &mut axis.motor_delay),
+            };
             let delayed = |delay: &mut Option<Delay>, position_m, velocity| match delay {
                 Some(delay) => delay.read(position_m, velocity),
                 None => position_m,
             };
-            let motor_m = delayed(&mut axis.motor_delay, motor_m, motor_m_per_s);
+            let motor_m = delayed(motor_delay, motor_m, motor_m_per_s);
             let table_m = delayed(&mut axis.table_delay, table_m, table_m_per_s);
             let motor_m = motor_m + axis.parameters.resolver_error_m(motor_m);
             let table_m = table_m + axis.parameters.scale.error_m(table_m, self.time_s);
-            reading.motor = position(self.instruments.motor.read(motor_m, &mut self.random));
+            reading.motor = position(sensor.read(motor_m, &mut self.random));
             reading.table = Some(position(self.instruments.table.read(table_m, &mut self.random)));
         }
     }
@@ -220,6 +232,10 @@ impl MachineSim {
     /// Moves the machine over one tick under the commanded forces, N.
     pub fn step(&mut self, forces_n: impl Iterator<Item = f64>) {
         for (axis, force_n) in self.axes.iter_mut().zip(forces_n) {
+            if let Some(following) = axis.following {
+                following.drive(&mut axis.motion, force_n);
+                continue;
+            }
             let [output_n, acting_n] = axis.force_path.output_and_acting_n(force_n);
             axis.commanded_n = output_n;
             axis.drive_n = axis.parameters.drive_asymmetry.acting_n(acting_n);
@@ -319,6 +335,7 @@ impl SimulatedAxis {
         Self {
             stepper: Stepper::new(&parameters, lag_s, step_s),
             motion: AxisMotion::at_rest(&parameters, start_m),
+            following: None,
             modes: Modes::at_rest(&parameters.tool.resonances, step_s),
             motor_delay: Delay::new(instruments.motor_latency_s, tick_s, start_m),
             table_delay: Delay::new(instruments.table_latency_s, tick_s, parameters.screw.nominal_m(start_m)),

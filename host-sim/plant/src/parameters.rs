@@ -10,6 +10,7 @@ use model::effects::{
 use model::machine::{Axis, Machine};
 
 use super::friction::{self, Friction};
+use super::friction_direction::{self, DRIVE_SLIP_M};
 use super::probe::Probe;
 use super::scale::Scale;
 use super::screw::{Screw, Spring};
@@ -36,6 +37,8 @@ pub struct AxisParameters {
     pub motor_coulomb_n: f64,
     /// Rise of the motor's friction towards standstill.
     pub motor_stribeck: MotorStribeck,
+    /// Friction of a drive whose velocity is commanded, as a trace has fitted it, N. It turns over with the travel.
+    pub motor_turning_n: f64,
     /// Pitch errors and backlash between motor and table.
     pub screw: Screw,
     /// Elasticity between motor and table; `None`: motor and table are one rigid mass.
@@ -152,6 +155,11 @@ impl AxisParameters {
             residual_tables: axis.empirical.clone(),
             ..Self::without_effects(&axis.settings.mechanics)
         };
+        let turning_m_per_s2 = axis.fitted_velocity_drive().friction_m_per_s2;
+        // Nothing stops a motor of infinite mass.
+        if turning_m_per_s2 > 0.0 && parameters.motor_mass_kg.is_finite() {
+            parameters.motor_turning_n = parameters.motor_mass_kg * turning_m_per_s2;
+        }
         for effect in &axis.effect {
             parameters.add(effect);
         }
@@ -290,6 +298,16 @@ impl AxisParameters {
         self.motor_level_n(velocity) * friction::smoothed_sign(velocity)
     }
 
+    /// Direction of the motor's friction that turns over, −1 to 1, after a travel, m; see [`friction_direction`].
+    #[must_use]
+    #[inline]
+    pub fn motor_direction(&self, before: f64, travel_m: f64) -> f64 {
+        if self.motor_turning_n == 0.0 {
+            return before;
+        }
+        friction_direction::after(before, travel_m, DRIVE_SLIP_M)
+    }
+
     /// Level of the motor's friction at its velocity (m/s), N.
     #[must_use]
     #[inline]
@@ -359,7 +377,7 @@ impl AxisParameters {
     /// The machine file's key that limits the step, and the longest step (s) that it allows.
     ///
     /// The linear part is exact at any step. The fastest of these nonlinear parts limits it: the bristles of the guide
-    /// under the table, 0.06 rad of √(σ0/m) per step; the friction of the motor about standstill, 0.2 of Fc/(w·m); the
+    /// under the table, 0.06 rad of √(σ0/m) per step; the friction of the motor about standstill, 0.2 of Fc/(w·m), or while it turns over, as the bristles; the
     /// contact at the edges of the backlash, 0.1 rad of √(k·(1/m + 1/M)). It is at most 1 ms.
     #[must_use]
     pub fn step_limit(&self) -> (&'static str, f64) {
@@ -375,10 +393,13 @@ impl AxisParameters {
             }
             _ => 0.0,
         };
+        // The friction of the motor that turns over is a spring.
+        let turning = (self.motor_turning_n / DRIVE_SLIP_M / motor_kg).sqrt();
         // Steps per second.
         let rates = [
             ("presliding_stiffness_n_per_um", bristles / 0.06),
             ("motor_coulomb_n", motor / 0.2),
+            ("motor_mass_kg", turning / 0.06),
             ("stiffness_n_per_um", contact / 0.1),
         ];
         let min_rate = ("velocity_loop_rate_hz", 1e3);

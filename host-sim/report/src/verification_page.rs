@@ -144,12 +144,14 @@ fn remarks_on(motion: &VerifiedMotion) -> Vec<String> {
     if let (Some(false), Some(predicted), [_, Some(predicted_um), Some(after_um)]) =
         (motion.is_as_predicted(), &motion.predicted, motion.rms_um())
     {
-        remarks.push(format!(
-            "{name}: {} µm rms were measured, {} µm ± {} % predicted.",
-            significant(after_um, 3),
-            significant(predicted_um, 3),
-            significant(predicted.bound_percent, 2)
-        ));
+        let um = |um: f64| significant(um, 3);
+        let expected = match motion.range_um() {
+            Some([least_um, most_um]) if predicted.unexplained_um > 0.0 => {
+                format!("{} to {} µm", um(least_um), um(most_um))
+            }
+            _ => format!("{} µm ± {} %", um(predicted_um), significant(predicted.bound_percent, 2)),
+        };
+        remarks.push(format!("{name}: {} µm rms were measured, {expected} predicted.", um(after_um)));
     }
     if let Some(why) = &motion.not_comparable {
         remarks.push(format!("{name}: the prediction is not compared: {why}."));

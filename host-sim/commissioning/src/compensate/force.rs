@@ -11,6 +11,7 @@ use model::axis::Settings;
 use model::machine::Axis;
 use plant::equivalent;
 use plant::friction::SlidingState;
+use plant::friction_direction::DRIVE_SLIP_M;
 use plant::parameters::AxisParameters;
 
 /// A velocity at which no friction is above its sliding level, m/s.
@@ -61,7 +62,11 @@ pub fn of_velocity_drive(axis: &Axis) -> Option<ForceModel> {
     let friction_m_per_s2 = axis.fitted_velocity_drive().friction_m_per_s2;
     let is_known = friction_m_per_s2 > 0.0 && !axis.settings.has_mass();
     is_known.then(|| ForceModel {
-        motor_coulomb_n: equivalent::MOTOR_KG * friction_m_per_s2,
+        friction: TableFriction {
+            coulomb_n: equivalent::MOTOR_KG * friction_m_per_s2,
+            presliding_stiffness_n_per_m: Some(equivalent::MOTOR_KG * friction_m_per_s2 / DRIVE_SLIP_M),
+            ..TableFriction::default()
+        },
         lag_s: lag_s(&axis.settings),
         ..ForceModel::default()
     })
@@ -132,7 +137,9 @@ mod tests {
     #[test]
     fn the_friction_of_a_velocity_drive_is_that_of_the_simulated_mass() {
         let force = of_velocity_drive(&axis("")).unwrap();
-        assert!((force.motor_coulomb_n - 900.0).abs() < 1e-9 && (force.lag_s - 8e-3).abs() < 1e-12);
+        assert!((force.friction.coulomb_n - 900.0).abs() < 1e-9 && (force.lag_s - 8e-3).abs() < 1e-12);
+        let stiffness_n_per_m = force.friction.presliding_stiffness_n_per_m.unwrap();
+        assert!((force.friction.coulomb_n / stiffness_n_per_m - 5e-6).abs() < 1e-12, "it turns over as traced");
         assert!(force.table_mass_kg.abs() + force.motor_mass_kg.abs() < 1e-12, "the drive has its own");
         assert!(of_velocity_drive(&axis("table_mass_kg = 100.0\n")).is_none());
     }

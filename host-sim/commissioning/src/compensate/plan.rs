@@ -112,12 +112,20 @@ impl Planning<'_> {
         let mut predictions = prediction::predictions(self.model, file, self.tests, self.instruments)?;
         for prediction in &mut predictions {
             prediction.bound_percent = if has_known_loops { BOUND_PERCENT } else { UNKNOWN_PERCENT };
+            prediction.unexplained_um = self.unexplained_um(prediction);
             if let Some((_, axes)) = beyond.iter().find(|(name, _)| *name == prediction.motion) {
                 prediction.bound_percent = UNKNOWN_PERCENT;
                 prediction.beyond_mapped = axes.iter().map(|beyond| beyond.axis.clone()).collect();
             }
         }
         Ok(predictions)
+    }
+
+    /// What the trace of the model left unexplained on the axes of a predicted motion, µm rms.
+    fn unexplained_um(&self, prediction: &Prediction) -> f64 {
+        let of_axis = |name: &String| self.model.axis.get(name)?.log_offsets?.unexplained_um;
+        let squares_um2 = prediction.displacement_um.keys().filter_map(of_axis).map(|um| um * um);
+        squares_um2.sum::<f64>().sqrt()
     }
 
     /// The parts that change no setting: the controller has no table left for them, or the force feed-forward to which they
@@ -288,7 +296,8 @@ impl Planning<'_> {
             Drive::Stepper => None,
         };
         let has_force = choice.has(&Part::Force(index));
-        let has_stretch = choice.has(&Part::Stretch(index));
+        let is_torque = axis.settings.controller.drive == Drive::Torque;
+        let has_stretch = is_torque && choice.has(&Part::Stretch(index));
         if let Some(model) = force.filter(|_| has_force || has_stretch) {
             compensation.force = Some(shared::compensate::settings::ForceModel {
                 share: if has_force { 1.0 } else { 0.0 },

@@ -26,6 +26,16 @@ fn sentence(plan: &Plan) -> String {
     )
 }
 
+/// What may be left where the trace of the model left something unexplained.
+fn range(motion: &Prediction) -> String {
+    let [least, most] = motion.range_um(motion.after_um).map(|um| significant(um, 3));
+    let unexplained = significant(motion.unexplained_um, 3);
+    format!(
+        "{}: {least} to {most} µm rms are to be expected, as the trace left {unexplained} µm of its logs unexplained.",
+        motion.motion
+    )
+}
+
 /// Sentence and tables.
 #[must_use]
 pub fn of(plan: &Plan) -> String {
@@ -49,6 +59,8 @@ pub fn of(plan: &Plan) -> String {
         ];
         lines.push(format!("{:<24}{}", motion.motion, figures.map(cell).concat()));
     }
+    let unexplained = plan.file.predicted.iter().filter(|motion| motion.unexplained_um > 0.0);
+    let ranges: Vec<String> = unexplained.map(range).collect();
     // The first of those that are watched are the motions above.
     let watched = plan.watched.iter().skip(plan.file.predicted.len());
     lines.extend(watched.map(|watched| {
@@ -56,6 +68,7 @@ pub fn of(plan: &Plan) -> String {
         let worse = if watched.is_worse { "  worse: not planned for" } else { "  watched" };
         format!("{:<24}{}{worse}", watched.motion, figures.map(cell).concat())
     }));
+    lines.extend(ranges);
     lines.push(String::new());
     lines.push(format!("{:<24}{:<6}{:>14}{:>10}", "item", "axis", "without it µm", "with µm"));
     for item in &plan.items {

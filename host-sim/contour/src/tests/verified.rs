@@ -286,6 +286,19 @@ fn a_displacement_that_no_model_has_is_in_the_prediction_as_in_the_measured_erro
     }
 }
 
+/// With 2 µm predicted and 3 µm unexplained, ±10 %: from 0.9·2 = 1.8 µm to 1.1·√(2² + 3²) = 3.97 µm.
+#[test]
+fn what_a_trace_left_unexplained_may_be_in_the_error() {
+    let prediction = Prediction { after_um: 2.0, unexplained_um: 3.0, ..some_line().0.remove(0) };
+    let predictions = Predictions(vec![prediction]);
+    for (after_um, holds) in [(1.7, false), (1.9, true), (3.9, true), (4.1, false)] {
+        let [before, after] =
+            [("some_line", 6.0), ("b", after_um)].map(|(name, um)| line(name, 2000, [0.6, 0.8], um));
+        let verified = VerifiedMotion::new(&before, &after, &predictions).unwrap();
+        assert_eq!(verified.is_as_predicted(), Some(holds), "{after_um}");
+    }
+}
+
 /// A full circle with the tool of x and y exchanged, or turned by 90°: the tool is on the circle, at another place. A lag of a sixth of
 /// a turn, whose difference is as large as the radius, is the largest that passes.
 #[test]

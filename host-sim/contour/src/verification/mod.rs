@@ -118,14 +118,21 @@ impl VerifiedMotion {
         [before, predicted, after]
     }
 
-    /// Whether the rms after is within the bound of its prediction and the sensors' noise; `None` without a prediction, or if
+    /// Between which the rms after has to lie as predicted, µm; `None` without a prediction.
+    #[must_use]
+    pub fn range_um(&self) -> Option<[f64; 2]> {
+        let [_, predicted_um, _] = self.rms_um();
+        Some(self.predicted.as_ref()?.range_um(predicted_um?))
+    }
+
+    /// Whether the rms after is within the range of its prediction and the sensors' noise; `None` without a prediction, or if
     /// the motion leaves the travel for which the compensation is made.
     #[must_use]
     pub fn is_as_predicted(&self) -> Option<bool> {
-        let bound_percent = self.predicted.as_ref().filter(|p| p.beyond_mapped.is_empty())?.bound_percent;
-        let [_, predicted_um, after_um] = self.rms_um();
-        let allowed_um = 0.01 * bound_percent * predicted_um? + rms_uncertainty_um(&self.after);
-        Some((after_um? - predicted_um?).abs() <= allowed_um)
+        self.predicted.as_ref().filter(|p| p.beyond_mapped.is_empty())?;
+        let ([least_um, most_um], by_chance_um) = (self.range_um()?, rms_uncertainty_um(&self.after));
+        let [_, _, after_um] = self.rms_um();
+        Some((least_um - by_chance_um..=most_um + by_chance_um).contains(&after_um?))
     }
 
     /// Circular deviation G of the largest circle before and after, µm.
@@ -180,6 +187,7 @@ impl VerifiedMotion {
             },
             "as_predicted": self.is_as_predicted(),
             "bound_percent": predicted.map(|p| p.bound_percent),
+            "predicted_range_um": self.range_um(),
             "not_comparable": self.not_comparable,
             "beyond_mapped": predicted.map(|p| &p.beyond_mapped),
             "files": {"before": self.files[0], "after": self.files[1]},

@@ -38,6 +38,10 @@ pub struct Prediction {
     pub circular_after_um: Option<f64>,
     /// How far the rms after may lie from `after_um`, percent of `after_um`, at most 100.
     pub bound_percent: f64,
+    /// What the trace of the model left unexplained on the axes of the motion, µm rms: the rms after may be larger, as its square is
+    /// larger by up to the square of it; 0: nothing, or not known.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub unexplained_um: f64,
     /// Length of the path, mm: a log of another length is another motion.
     pub path_length_mm: Option<f64>,
     /// Time from the first change of the command to the last, s: a log of another duration has another feed.
@@ -121,6 +125,13 @@ impl Prediction {
         (self.after_um.powi(2) + after.across.added_um2(predicted_um, more_um)).max(0.0).sqrt()
     }
 
+    /// Between which the rms after has to lie, µm, if `after_um` is predicted by the model alone.
+    #[must_use]
+    pub fn range_um(&self, after_um: f64) -> [f64; 2] {
+        let bound = 0.01 * self.bound_percent;
+        [(1.0 - bound) * after_um, (1.0 + bound) * after_um.hypot(self.unexplained_um)]
+    }
+
     /// The first key whose value is not possible, and what was expected of it.
     #[must_use]
     pub fn refused(&self) -> Option<(&'static str, &'static str)> {
@@ -133,6 +144,7 @@ impl Prediction {
             ("circular_after_um", self.circular_after_um),
             ("path_length_mm", self.path_length_mm),
             ("duration_s", self.duration_s),
+            ("unexplained_um", Some(self.unexplained_um)),
         ];
         let is_bad = |value: f64| !(value.is_finite() && value >= 0.0);
         let bad = values.into_iter().find(|(_, value)| value.is_some_and(is_bad));
@@ -169,6 +181,11 @@ impl Predictions {
             _ => Found::None,
         }
     }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(um: &f64) -> bool {
+    *um == 0.0
 }
 
 /// Lower case, with one separator.

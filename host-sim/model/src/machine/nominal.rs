@@ -72,7 +72,7 @@ tolerated_keys!(nominal);
 
 number_table! {
     /// `[axis.NAME.log_offsets]`: zeros and sampling instants of the logs to which the values of an axis were fitted. They
-    /// are the initial values when a trace fits them again, and have no other use. An absent value is 0.
+    /// are the initial values when a trace fits them again. An absent value is 0.
     LogOffsets {
         /// Zero of the linear scale relative to that of the motor.
         table_zero_um,
@@ -98,5 +98,8 @@ number_table! {
         velocity_friction_m_per_s2,
         /// Dead time of a drive whose velocity or position is commanded.
         drive_dead_time_ms,
+        /// What the trace left unexplained from the command to the tool, rms on logs that it did not fit if there were any, without
+        /// noise: a prediction may be wrong by it.
+        unexplained_um,
     }
 }

@@ -55,6 +55,7 @@ const KEYS: &[RotaryKey] = &[
 const LOG_OFFSETS: &[RotaryKey] = &[
     key("table_zero_mdeg", "table_zero_um", None),
     key("tool_zero_mdeg", "tool_zero_um", None),
+    key("unexplained_mdeg", "unexplained_um", None),
     key("velocity_friction_deg_per_s2", "velocity_friction_m_per_s2", Some(1e-3)),
 ];
 

@@ -45,8 +45,8 @@ fn a_velocity_drive_lags_as_its_loop() {
     assert!((lag_um(0.15) - 1340.0).abs() < 20.0, "{}", lag_um(0.15));
 }
 
-/// In steady motion the motor is where its command is: the velocity has no error, and the position gain removes that of the start. The table
-/// turns late by 4 µm of gap and twice 3 µm of the rotor.
+/// The motor is where its command is, at the corners of the motion, too: what is left is the resolution of the controller, 1 nm/s of velocity
+/// and 1/16 nm of position. The table turns late by 4 µm of gap and twice 3 µm of the rotor.
 #[test]
 fn a_stepper_motor_follows_its_command_and_its_table_turns_late() {
     let effects = "[[axis.x.effect]]\nname = \"lost_motion\"\nwidth_um = 4.0\n\
@@ -56,13 +56,44 @@ fn a_stepper_motor_follows_its_command_and_its_table_turns_late() {
     let log = run(&machine);
     let x = &log.axes[0];
     let [there_s, back_s] = [0.4, 1.2];
-    for at_s in [there_s, back_s] {
-        let lag_um = difference_um(&log, [&x.command, &x.motor], at_s);
-        assert!(lag_um.abs() < 0.5, "{at_s} s: {lag_um}");
-    }
+    // The first sample has no command before it that could be logged.
+    let both = x.command.iter().flatten().zip(x.motor.iter().flatten()).skip(1);
+    let worst_um = numerics::max(both.map(|(command, motor)| 1e3 * (command - motor).abs()));
+    assert!(worst_um < 1e-3, "{worst_um}");
     let behind_um = |at_s: f64| difference_um(&log, [&x.motor, &x.table], at_s);
     let width_um = behind_um(there_s) - behind_um(back_s);
     assert!((width_um - 10.0).abs() < 0.2, "{width_um}");
+}
+
+/// Beside an axis with a loop, a stepper motor is not late either: at 100 mm/s by less than 1 µm, in its acceleration of 0.5 m/s² by 1 ms/1000 1/s
+/// of it, 0.5 µm.
+#[test]
+fn a_stepper_motor_beside_another_axis_is_not_late() {
+    let text = "name = \"m\"\nsample_rate_hz = 1000.0\n[axis.x]\ndrive = \"stepper\"\n\
+                [axis.y]\ndrive = \"velocity\"\nposition_gain_per_s = 50.0\n";
+    let machine = Machine::parse(text, "m.toml").unwrap();
+    let (machine, _) = of(&machine);
+    let blocks = [PathBlock::new(PathShape::Line { to_m: vec![0.06, 0.0] }, 0.1, 0.5)];
+    let mut controller = simulate::controller(&machine, Format::F64, &[0.0, 0.0]).unwrap();
+    let instruments = Instruments::default();
+    let run = Run { machine: &machine, instruments, start_m: &[0.0, 0.0], blocks: &blocks, start_s: 0.0 };
+    let log = run.log(controller.as_mut(), |_, _, _| ()).unwrap();
+    let x = &log.axes[0];
+    let late_um = |at_s: f64| difference_um(&log, [&x.command, &x.motor], at_s);
+    assert!(late_um(0.4).abs() < 0.01, "{}", late_um(0.4));
+    assert!((late_um(0.1).abs() - 0.5).abs() < 0.05, "{}", late_um(0.1));
+}
+
+/// Of a lost motion of 1 µm beside a stretch of 0.3 µm per m/s², all is stretch under a friction of 1/0.6 m/s², if that is not known: a greater
+/// one would add to the 1 µm.
+#[test]
+fn an_assumed_friction_does_not_widen_the_lost_motion() {
+    let effects = "[[axis.x.effect]]\nname = \"lost_motion\"\nwidth_um = 1.0\n\
+                   [[axis.x.effect]]\nname = \"windup\"\num_s2_per_m = 0.3\n";
+    let log = run(&machine(&format!("drive = \"stepper\"\n{effects}")));
+    let behind_um = |at_s: f64| difference_um(&log, [&log.axes[0].motor, &log.axes[0].table], at_s);
+    let width_um = behind_um(0.4) - behind_um(1.2);
+    assert!((width_um - 1.0).abs() < 0.02, "{width_um}");
 }
 
 /// What is declared is simulated as it is.

@@ -9,7 +9,6 @@ pub mod controller_readings;
 pub mod driven;
 pub mod force_sampling;
 pub mod force_windup;
-pub mod friction_direction;
 pub mod initial_state;
 pub mod position_loop;
 pub mod resonant_response;
@@ -17,3 +16,5 @@ pub mod table_motion;
 pub mod table_variable;
 pub mod tool;
 pub mod velocity_drive;
+
+pub use plant::friction_direction;

@@ -5,13 +5,10 @@
 //! friction over the mass f is the third, a dead time the fourth. They are fitted as part of the declared model. The friction reverses
 //! over micrometres: dh/dt = v/s·(1 − h·sign v) (Dahl, 1968).
 
-use super::friction_direction;
 use super::position_loop::PositionLoop;
 use model::axis::Settings;
 use model::servo::ServoParameters;
-
-/// Travel s over which the friction reverses, m: that of rolling guides and seals is 1 to 50 µm.
-const REVERSAL_M: f64 = 5e-6;
+use plant::friction_direction::{self, DRIVE_SLIP_M};
 
 /// Number of steps of a sample.
 const STEPS: usize = 4;
@@ -90,7 +87,7 @@ impl Axis {
         let step_s = time_s / STEPS as f64;
         let left = (-step_s / self.time_constant_s).exp();
         for _ in 0..STEPS {
-            self.direction = friction_direction::after(self.direction, self.velocity * step_s, REVERSAL_M);
+            self.direction = friction_direction::after(self.direction, self.velocity * step_s, DRIVE_SLIP_M);
             // The velocity that the drive approaches.
             let end =
                 command + self.integral - self.time_constant_s * self.friction_m_per_s2 * self.direction;

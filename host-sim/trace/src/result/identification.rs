@@ -9,12 +9,13 @@ use crate::fit::axis_model::AxisModel;
 use crate::fit::declared_machine::DeclaredMachine;
 use crate::fit::fit_data::FitData;
 use crate::input::signals::Signals;
-use crate::judge::axis_findings::AxisFindings;
+use crate::judge::axis_findings::{AxisFindings, StageResidual};
 use crate::options::TraceOptions;
 use crate::search::ambiguity::Ambiguity;
-use model::effects::Effect;
+use model::effects::{Effect, Stage};
 use model::machine::Machine;
 use model::machine::evidence::{Certainty, Evidence};
+use model::machine::nominal::LogOffsets;
 
 /// The result of a trace: the effects that a machine shows in its logs and that its declared model lacks.
 #[derive(Clone, Debug)]
@@ -68,6 +69,20 @@ impl AxisIdentification {
             }
         };
         effects.iter().map(of).collect()
+    }
+
+    /// What the model leaves of the positions from the command to the tool where it stands out of the noise, µm rms without the noise: each
+    /// stage is predicted from the measured one before, so that their squares add. On the validation logs, if there are any.
+    fn unexplained_um(&self, is_validated: bool) -> Option<f64> {
+        let stands_out = |of: &&StageResidual| {
+            of.stage != Stage::Force && self.unexplained.iter().any(|left| left.stage == of.stage)
+        };
+        let square_um2 = |of: &StageResidual| {
+            let rms_um = if is_validated { of.after.validate } else { of.after.fit };
+            (rms_um.powi(2) - of.noise.powi(2)).max(0.0)
+        };
+        let sum_um2: f64 = self.residuals.iter().filter(stands_out).map(square_um2).sum();
+        (sum_um2 > 0.0 && sum_um2.is_finite()).then(|| sum_um2.sqrt())
     }
 
     /// Pairs of effects that the logs do not distinguish, with a motion that does; without one if the machine file does not suffice to
@@ -129,6 +144,9 @@ impl Identification {
         for axis in &self.axes {
             if let Some(written) = better.axis.get_mut(&axis.axis) {
                 written.evidence = axis.evidence(&written.effect);
+                let unexplained_um = axis.unexplained_um(!self.validate_logs.is_empty());
+                let offsets = LogOffsets { unexplained_um, ..written.log_offsets.unwrap_or_default() };
+                written.log_offsets = (offsets != LogOffsets::default()).then_some(offsets);
             }
         }
         better
