@@ -141,11 +141,8 @@ pub fn of(machine: &Machine) -> (Cow<'_, Machine>, Vec<Assumed>) {
             let what = simulated.assumed.into_iter().chain(further);
             assumed.extend(what.map(|what| Assumed { axis: name.clone(), what }));
             let follows = following::follows(axis);
-            *axis = if follows {
-                following::axis(axis, pace)
-            } else {
-                equivalent_axis(axis, &simulated, tick_s)
-            };
+            *axis =
+                if follows { following::axis(axis, pace) } else { equivalent_axis(axis, &simulated, tick_s) };
         }
     }
     (Cow::Owned(equivalent), assumed)
@@ -168,11 +165,7 @@ fn equivalent_axis(axis: &Axis, simulated: &Loop, tick_s: f64) -> Axis {
     let mechanics = if axis.settings.has_mass() {
         mechanics
     } else {
-        Mechanics {
-            motor_mass_kg: Some(MOTOR_KG),
-            lead_mm: mechanics.lead_mm,
-            ..Mechanics::default()
-        }
+        Mechanics { motor_mass_kg: Some(MOTOR_KG), lead_mm: mechanics.lead_mm, ..Mechanics::default() }
     };
     let mass_kg = mechanics.motor_mass_kg.unwrap_or(0.0) + mechanics.table_mass_kg.unwrap_or(0.0);
     controller.drive = Drive::Torque;
@@ -191,8 +184,7 @@ fn equivalent_axis(axis: &Axis, simulated: &Loop, tick_s: f64) -> Axis {
     if !effect.iter().any(|effect| matches!(effect, Effect::VelocityLag(_))) {
         effect.push(Effect::VelocityLag(VelocityLag { ms: -1e3 * tick_s }));
     }
-    let velocity_friction_m_per_s2 =
-        axis.log_offsets.and_then(|offsets| offsets.velocity_friction_m_per_s2);
+    let velocity_friction_m_per_s2 = axis.log_offsets.and_then(|offsets| offsets.velocity_friction_m_per_s2);
     let log_offsets = Some(LogOffsets { velocity_friction_m_per_s2, ..LogOffsets::default() });
     Axis { effect, log_offsets, ..equivalent }
 }

@@ -139,7 +139,10 @@ mod tests {
         let force = of_velocity_drive(&axis("")).unwrap();
         assert!((force.friction.coulomb_n - 900.0).abs() < 1e-9 && (force.lag_s - 8e-3).abs() < 1e-12);
         let stiffness_n_per_m = force.friction.presliding_stiffness_n_per_m.unwrap();
-        assert!((force.friction.coulomb_n / stiffness_n_per_m - 5e-6).abs() < 1e-12, "it turns over as traced");
+        assert!(
+            (force.friction.coulomb_n / stiffness_n_per_m - 5e-6).abs() < 1e-12,
+            "it turns over as traced"
+        );
         assert!(force.table_mass_kg.abs() + force.motor_mass_kg.abs() < 1e-12, "the drive has its own");
         assert!(of_velocity_drive(&axis("table_mass_kg = 100.0\n")).is_none());
     }

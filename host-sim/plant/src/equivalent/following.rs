@@ -53,11 +53,8 @@ pub(super) fn axis(axis: &Axis, pace: Pace) -> Axis {
     controller.velocity_gain_n_s_per_m = Some(VELOCITY_GAIN_N_S_PER_M);
     controller.velocity_integral_time_s = None;
     controller.force_limit_n = None;
-    let mechanics = Mechanics {
-        motor_mass_kg: Some(f64::INFINITY),
-        lead_mm: mechanics.lead_mm,
-        ..Mechanics::default()
-    };
+    let mechanics =
+        Mechanics { motor_mass_kg: Some(f64::INFINITY), lead_mm: mechanics.lead_mm, ..Mechanics::default() };
     // Filters of the force would be filters of the motion.
     let filters = Filters {
         smoothing_s: filters.smoothing_s,
