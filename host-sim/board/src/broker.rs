@@ -3,27 +3,17 @@
 //! A guest sends the packets that it would send at the port, and gets the replies of the board. It gets no session: it can start
 //! nothing, and its requests are no sign of life of the program that holds the port.
 
-use std::io;
 use std::path::{Path, PathBuf};
 
 use shared::link::message::{FromBoard, Reply, Request};
 use shared::link::packet::{self, Frame, Header};
 use shared::link::{Receiver, Refusal};
 
-use crate::port::Port;
 use crate::share::Guests;
 
 /// The socket beside a lock.
-fn socket_of(lock: &Path) -> PathBuf {
+pub fn socket_of(lock: &Path) -> PathBuf {
     lock.with_extension("socket")
-}
-
-/// A connection to the program that holds a port.
-///
-/// # Errors
-/// If it does not listen; on systems without sockets in the file system, always.
-pub fn connect(lock: &Path) -> io::Result<Port> {
-    Port::socket(&socket_of(lock))
 }
 
 pub use platform::Broker;
@@ -42,7 +32,7 @@ mod platform {
     use std::time::{Duration, Instant};
 
     use super::{FromBoard, Guests, Request, answer, received, socket_of};
-    use crate::port::{READ_TIMEOUT, receive};
+    use crate::byte_stream::{READ_TIMEOUT, receive};
     use shared::link::Receiver;
 
     /// Longest wait for a reply of the board: the guest repeats its request then.

@@ -1,7 +1,7 @@
 //! Errors of a board and its link.
 
 use shared::link::Refusal;
-use shared::link::message::Halt;
+use shared::link::halt::Halt;
 
 use crate::refusal;
 

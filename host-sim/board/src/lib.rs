@@ -14,6 +14,7 @@
 
 pub mod bench;
 mod broker;
+mod byte_stream;
 pub mod client;
 pub mod error;
 pub mod motion;

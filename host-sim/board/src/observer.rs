@@ -6,8 +6,9 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use files::error::quoted;
+use shared::link::halt::Halt;
 use shared::link::history::HistoryEntry;
-use shared::link::message::{Halt, Reply, Request};
+use shared::link::message::{Reply, Request};
 use shared::link::{Status, Welcome};
 
 use crate::client::Client;
@@ -50,7 +51,7 @@ impl Observer {
     /// # Errors
     /// [`BoardError`].
     pub fn halt(&mut self, halt: Halt) -> Result<(), BoardError> {
-        match self.ask(&halt.request())? {
+        match self.ask(&Request::from(halt))? {
             Reply::Done => Ok(()),
             _ => Err(BoardError::Unexpected),
         }

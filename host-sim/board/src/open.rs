@@ -49,7 +49,7 @@ pub fn observe(name: &str) -> Result<(Port, Option<String>), BoardError> {
             Ok(lock) => return Ok((place.open(lock)?, None)),
             Err(holder) => holder,
         };
-        if let Ok(port) = broker::connect(&place.lock()) {
+        if let Ok(port) = Port::socket(&broker::socket_of(&place.lock())) {
             return Ok((port, Some(holder)));
         }
         // It has just locked the port, or is about to end.

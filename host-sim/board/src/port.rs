@@ -2,23 +2,14 @@
 
 use std::io::{self, Read, Write};
 use std::path::Path;
-use std::time::Duration;
 
 use serialport::SerialPort;
 use shared::link::port::BAUD;
 
 use crate::broker::Broker;
+use crate::byte_stream::{ByteStream, READ_TIMEOUT, receive};
 use crate::port_lock::PortLock;
 use crate::share::{self, Shared};
-
-/// Longest wait of a single read.
-pub(crate) const READ_TIMEOUT: Duration = Duration::from_millis(20);
-
-/// Bytes in both directions.
-pub(crate) trait ByteStream: Read + Write + Send {
-    /// Another handle of the same stream.
-    fn another(&self) -> io::Result<Box<dyn ByteStream>>;
-}
 
 struct Serial(Box<dyn SerialPort>);
 
@@ -128,22 +119,6 @@ impl Port {
     }
 }
 
-/// Receives what has arrived at a stream with a timeout. 0: nothing has.
-pub(crate) fn receive(stream: &mut (impl Read + ?Sized), bytes: &mut [u8]) -> io::Result<usize> {
-    match stream.read(bytes) {
-        Ok(0) => Err(io::ErrorKind::UnexpectedEof.into()),
-        Err(error)
-            if matches!(
-                error.kind(),
-                io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted
-            ) =>
-        {
-            Ok(0)
-        }
-        other => other,
-    }
-}
-
 /// Whether a path is a socket.
 #[must_use]
 pub fn is_socket(path: &Path) -> bool {
@@ -157,7 +132,7 @@ mod socket {
     use std::os::unix::net::UnixStream;
     use std::path::Path;
 
-    use super::{ByteStream, READ_TIMEOUT};
+    use crate::byte_stream::{ByteStream, READ_TIMEOUT};
 
     impl ByteStream for UnixStream {
         fn another(&self) -> io::Result<Box<dyn ByteStream>> {
@@ -181,7 +156,7 @@ mod socket {
     use std::io;
     use std::path::Path;
 
-    use super::ByteStream;
+    use crate::byte_stream::ByteStream;
 
     pub fn connect(_path: &Path) -> io::Result<Box<dyn ByteStream>> {
         Err(io::Error::new(io::ErrorKind::Unsupported, "the emulated board needs Linux or macOS"))

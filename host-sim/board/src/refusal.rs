@@ -3,8 +3,8 @@
 use shared::drive::direction_check::DirectionResult;
 use shared::interpolate::PathError;
 use shared::link::Refusal;
+use shared::link::halt::Halt;
 use shared::link::history::HistoryEvent;
-use shared::link::message::Halt;
 use shared::link::refusal::{DirectionProblem, SettingProblem, UploadError};
 use shared::link::report::{HomingFailure, SettingsReport, SettingsSource, StoredRecord};
 use shared::safety::{Fault, FaultKind};

@@ -13,7 +13,7 @@ use std::thread::{self, JoinHandle};
 use shared::link::message::{FromBoard, Request};
 use shared::link::packet::{self, Frame, Header, MAX_FRAME};
 
-use crate::port::{ByteStream, READ_TIMEOUT, receive};
+use crate::byte_stream::{ByteStream, READ_TIMEOUT, receive};
 
 /// The numbers of requests of guests begin here: far from those that the program itself gives to a request without a session.
 const FIRST_NUMBER: u32 = 0x8000_0000;
@@ -181,7 +181,8 @@ mod tests {
     use std::os::unix::net::UnixStream;
 
     use super::*;
-    use shared::link::message::{Halt, Reply};
+    use shared::link::halt::Halt;
+    use shared::link::message::Reply;
     use shared::link::{Receiver as PacketReceiver, Refusal};
 
     /// The board's end of a line.
@@ -237,11 +238,11 @@ mod tests {
         let session = Header { session: 7, sequence: 1 };
         packet::encode(session, &Request::Status, &mut frame).unwrap();
         shared.send(&frame).unwrap();
-        let asked = Halt::ALL.map(|halt| guests.ask(&halt.request()).unwrap());
+        let asked = Halt::ALL.map(|halt| guests.ask(&Request::from(halt)).unwrap());
         assert_eq!(line.request(), (session, Request::Status));
         let headers = Halt::ALL.map(|halt| {
             let (header, request) = line.request();
-            assert_eq!((header.session, request), (0, halt.request()));
+            assert_eq!((header.session, request), (0, Request::from(halt)));
             header
         });
         line.reply(headers[2], Reply::Done);

@@ -3,29 +3,23 @@
 //! A drive whose velocity is commanded has the time constant τ = m/Kv and the friction F/m: its mass itself changes nothing, and any
 //! large one serves. A stepper motor follows its command ([`following`]). What of a loop is not known is assumed, and said.
 
+mod complete;
+mod effects;
 mod following;
 
 use std::borrow::Cow;
 
 use model::axis::{Drive, Law, Mechanics, Pid, Settings};
-use model::effects::{Effect, InertialWindup, LostMotion, PeriodicError, ResolverDividing, VelocityLag};
+use model::effects::{Effect, VelocityLag};
 use model::machine::nominal::LogOffsets;
 use model::machine::{Axis, Machine};
-use model::servo::{self, VelocityDrive};
+use model::servo::VelocityDrive;
 
-use crate::parameters::AxisParameters;
+use complete::is_complete;
+use effects::equivalent_effects;
 
 /// Mass of the motor of an axis without masses, kg. That of the table is 1 kg: what it does to the motor is below 0.1 %.
 pub const MOTOR_KG: f64 = 1000.0;
-
-/// Friction of a table of which nothing is known, over its mass, m/s²: it does not slide in the gap by itself.
-const FRICTION_M_PER_S2: f64 = 10.0;
-
-/// Travel over which this friction reverses, µm.
-const PRESLIDING_UM: f64 = 1.0;
-
-/// Stretch of a drive train of which nothing is known, µm per m/s².
-const STRETCH_UM_S2_PER_M: f64 = 5e-3;
 
 /// Time constant of a drive of which none is known, s: a bandwidth of 32 Hz.
 const USUAL_TIME_CONSTANT_S: f64 = 5e-3;
@@ -110,12 +104,6 @@ impl Loop {
     }
 }
 
-/// Whether an axis can be simulated as it is declared.
-fn is_complete(axis: &Axis) -> bool {
-    let settings = &axis.settings;
-    settings.has_mass() && servo::settings(settings, &AxisParameters::of(axis).servo).is_ok()
-}
-
 /// Whether a machine can be simulated as it is declared.
 #[must_use]
 pub fn is_known(machine: &Machine) -> bool {
@@ -187,56 +175,6 @@ fn equivalent_axis(axis: &Axis, simulated: &Loop, tick_s: f64) -> Axis {
     let velocity_friction_m_per_s2 = axis.log_offsets.and_then(|offsets| offsets.velocity_friction_m_per_s2);
     let log_offsets = Some(LogOffsets { velocity_friction_m_per_s2, ..LogOffsets::default() });
     Axis { effect, log_offsets, ..equivalent }
-}
-
-/// The effects with everything by which the table turns late in one lost motion, behind the motor as commanded.
-fn equivalent_effects(axis: &Axis) -> Vec<Effect> {
-    let parameters = AxisParameters::of(axis).with_motor_as_commanded();
-    let declared = &parameters.lost_motion;
-    let (width_um, stretch_um_s2_per_m) = (parameters.reversal_width_um(), stretch_um_s2_per_m(axis));
-    // All of the width may be the stretch by friction, either way, and no more.
-    let assumed_m_per_s2 = stretch_um_s2_per_m
-        .map_or(FRICTION_M_PER_S2, |um_s2_per_m| FRICTION_M_PER_S2.min(0.5 * width_um / um_s2_per_m));
-    let um_s2_per_m = stretch_um_s2_per_m.unwrap_or(STRETCH_UM_S2_PER_M);
-    let lost = LostMotion {
-        width_um,
-        friction_m_per_s2: declared.friction_m_per_s2.or(Some(assumed_m_per_s2)),
-        presliding_um: declared.presliding_um.or(Some(PRESLIDING_UM)),
-    };
-    let is_other = |effect: &&Effect| {
-        !matches!(
-            effect,
-            Effect::Backlash(_)
-                | Effect::LostMotion(_)
-                | Effect::InertialWindup(_)
-                | Effect::LoadAngle(_)
-                | Effect::ForceWindup(_)
-                | Effect::MicrostepError(_)
-                | Effect::ResolverDividing(_)
-                | Effect::EncoderEllipticity(_)
-        )
-    };
-    let mut effects: Vec<Effect> = axis.effect.iter().filter(is_other).cloned().collect();
-    effects.push(Effect::InertialWindup(InertialWindup { um_s2_per_m }));
-    effects.push(Effect::LostMotion(lost));
-    effects.extend(parameters.resolver.iter().map(reading_error));
-    effects
-}
-
-/// Lag of the table per acceleration, of the drive train and of the rotor of a stepper motor; `None`: not known.
-fn stretch_um_s2_per_m(axis: &Axis) -> Option<f64> {
-    let of_effect = |effect: &Effect| match effect {
-        Effect::InertialWindup(windup) => windup.um_s2_per_m,
-        Effect::LoadAngle(angle) => angle.um_s2_per_m,
-        _ => 0.0,
-    };
-    let um_s2_per_m: f64 = axis.effect.iter().map(of_effect).sum();
-    (um_s2_per_m > 0.0).then_some(um_s2_per_m)
-}
-
-const fn reading_error(error: &PeriodicError) -> Effect {
-    let PeriodicError { amplitude_um, period_mm, phase_rad } = *error;
-    Effect::ResolverDividing(ResolverDividing { amplitude_um, period_mm, phase_rad, fitted_period_mm: None })
 }
 
 #[cfg(test)]

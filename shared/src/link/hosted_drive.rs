@@ -5,8 +5,8 @@ mod rest;
 mod settings;
 mod status;
 
+use super::halt::Halt;
 use super::history::FaultHistory;
-use super::message::Halt;
 use super::refusal::Refusal;
 use super::report::{Activity, Times};
 use super::stream::StreamQueue;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::halt::Halt;
 pub use super::history::HISTORY;
 use super::history::HistoryEntry;
 pub use super::packet::AXES;
@@ -63,33 +64,6 @@ pub struct Jog {
 impl Jog {
     /// Greatest travel of a jog at a speed, m.
     pub const MAX_TRAVEL_M: f64 = 1.0;
-}
-
-/// What holds, ends or prevents motion, the weakest first. It needs no session: whoever is connected to a port of the board may ask
-/// for it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum Halt {
-    /// [`Request::Hold`].
-    Hold,
-    /// [`Request::Stop`].
-    Stop,
-    /// [`Request::Disable`].
-    Disable,
-}
-
-impl Halt {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Hold, Self::Stop, Self::Disable];
-
-    /// The request for it.
-    #[must_use]
-    pub const fn request(self) -> Request {
-        match self {
-            Self::Hold => Request::Hold,
-            Self::Stop => Request::Stop,
-            Self::Disable => Request::Disable,
-        }
-    }
 }
 
 /// A request of a host.
@@ -208,6 +182,16 @@ impl Request {
             Self::Stop => Some(Halt::Stop),
             Self::Disable => Some(Halt::Disable),
             _ => None,
+        }
+    }
+}
+
+impl From<Halt> for Request {
+    fn from(halt: Halt) -> Self {
+        match halt {
+            Halt::Hold => Self::Hold,
+            Halt::Stop => Self::Stop,
+            Halt::Disable => Self::Disable,
         }
     }
 }

@@ -20,11 +20,12 @@
 //!   and the switch alone enables nothing.
 //! - A host that is silent while the drives are on stops the path after [`Times::hold_ms`] and the drives after
 //!   [`Times::off_ms`], which is a fault if a path was held. A jog at a speed ends after [`Times::jog_ms`] unless it is renewed.
-//! - A hold, a stop and a disable need no session ([`message::Halt`]). They are taken from any port, before anything that waits; the
+//! - A hold, a stop and a disable need no session ([`halt::Halt`]). They are taken from any port, before anything that waits; the
 //!   next request of the session is refused, so that its host starts nothing else. They are no sign of life of the host.
 //! - A board with two ports has one host: the other port opens a session only while the host is silent.
 //! - A motion is checked whole before it starts. A request that is refused changes nothing.
 
+pub mod halt;
 pub mod history;
 pub mod hosted_drive;
 pub mod message;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::message::Halt;
+use super::halt::Halt;
 use super::report::HomingFailure;
 use crate::config::ConfigError;
 use crate::drive::direction_check::DirectionCheckError;

@@ -15,7 +15,8 @@
 //! Nothing else that is received there reaches the drives before the port is selected, and nothing of it counts as a sign of life of the
 //! host: the supervision of the host cannot be avoided with a second port.
 
-use super::message::{FromBoard, Halt, Reply, Request};
+use super::halt::Halt;
+use super::message::{FromBoard, Reply, Request};
 use super::packet::{self, Frame, Header, PacketError, VERSION};
 use super::port::{BytePort, SharedDrive};
 use super::receiver::Receiver;

@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 
 use shared::drive::direction_check::{DirectionCheckSettings, DirectionResult};
 use shared::interpolate::feed_hold::FeedState;
-use shared::link::message::{FromBoard, Halt, Reply, Request};
+use shared::link::halt::Halt;
+use shared::link::message::{FromBoard, Reply, Request};
 use shared::link::packet::{self, Frame, Header};
 use shared::link::report::{Activity, DirectionReport};
 use shared::link::{BytePort, Receiver, Refusal};
@@ -53,7 +54,7 @@ fn a_halt_needs_no_session() {
                 _ => Header { session: rig.session, sequence: rig.sequence + 5 },
             };
             assert!(!acts(halt, &rig));
-            assert_eq!(rig.send(header, &halt.request()), Reply::Done);
+            assert_eq!(rig.send(header, &Request::from(halt)), Reply::Done);
             assert!(acts(halt, &rig), "{halt:?} {kind}");
             rig.run(DECELERATION_TICKS + SETTLING_TICKS);
             let (machine, activity) = (rig.drive.machine(), rig.drive.activity());
@@ -81,7 +82,7 @@ fn the_host_is_told_once_and_starts_nothing() {
     for halt in Halt::ALL {
         for request in [jog_by(0.01), jog_at(0.03), Request::Enable, Request::Resume, Request::Status] {
             let mut rig = Rig::enabled();
-            assert_eq!(rig.send(Header::without_session(1), &halt.request()), Reply::Done);
+            assert_eq!(rig.send(Header::without_session(1), &Request::from(halt)), Reply::Done);
             let before = rig.drive.machine().command();
             assert_eq!(rig.request(&Request::Stop), Reply::Done);
             for _ in 0..2 {
@@ -94,7 +95,7 @@ fn the_host_is_told_once_and_starts_nothing() {
                 assert_eq!(rig.drive.machine().command(), before, "{halt:?} {request:?}");
                 assert_eq!(rig.drive.machine().power().is_on(), halt != Halt::Disable);
                 assert!(rig.status().at_rest);
-                assert_eq!(rig.send(Header::without_session(2), &halt.request()), Reply::Done);
+                assert_eq!(rig.send(Header::without_session(2), &Request::from(halt)), Reply::Done);
             }
         }
     }
@@ -121,10 +122,10 @@ fn the_strongest_of_several_halts_is_told() {
         for second in Halt::ALL {
             let mut rig = Rig::enabled();
             for halt in [first, second] {
-                assert_eq!(rig.send(Header::without_session(1), &halt.request()), Reply::Done);
+                assert_eq!(rig.send(Header::without_session(1), &Request::from(halt)), Reply::Done);
             }
             assert_eq!(rig.refusal(&Request::Status), Refusal::HaltedByOther(first.max(second)));
-            assert_eq!(rig.send(Header::without_session(1), &first.request()), Reply::Done);
+            assert_eq!(rig.send(Header::without_session(1), &Request::from(first)), Reply::Done);
             rig.hello(44);
             assert!(rig.status().at_rest);
         }
@@ -185,7 +186,7 @@ fn a_direction_check_is_ended_from_outside() {
         let mut rig = Rig::new();
         assert_eq!(rig.request(&Request::CheckDirection { axis: 0, settings }), Reply::Done);
         if let Some(halt) = halt {
-            assert_eq!(rig.send(Header::without_session(1), &halt.request()), Reply::Done);
+            assert_eq!(rig.send(Header::without_session(1), &Request::from(halt)), Reply::Done);
             assert_eq!(rig.refusal(&Request::Status), Refusal::HaltedByOther(halt));
         }
         rig.close_switch();
@@ -281,7 +282,7 @@ fn a_halt_is_answered_within_two_milliseconds_beside_a_stream() {
             slow.run(2000 + phase);
             slow.line.to_host.clear();
             let header = Header::without_session(0xdead_beef);
-            let request = frame(header, &halt.request());
+            let request = frame(header, &Request::from(halt));
             let arrival = u32::try_from(request.len().div_ceil(SlowLine::BYTES_PER_TICK)).unwrap();
             slow.line.on_the_way.extend(&request);
             slow.run(arrival - 1);
@@ -319,7 +320,7 @@ fn a_port_that_takes_no_bytes_keeps_no_halt_out() {
             } else {
                 Header::without_session(6)
             };
-            slow.line.on_the_way.extend(frame(header, &halt.request()));
+            slow.line.on_the_way.extend(frame(header, &Request::from(halt)));
             slow.run(10);
             assert!(acts(halt, &slow.rig), "{halt:?}");
             slow.line.blocked = false;

@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 use shared::interpolate::feed_hold::FeedState;
-use shared::link::message::{FromBoard, Halt, Reply, Request};
+use shared::link::halt::Halt;
+use shared::link::message::{FromBoard, Reply, Request};
 use shared::link::packet::{self, Frame, Header};
 use shared::link::report::UsbState;
 use shared::link::two_ports::{Selected, TwoPorts, UsbPort};
@@ -184,7 +185,7 @@ fn a_halt_is_taken_at_the_other_port() {
                 } else {
                     NO_SESSION
                 };
-                assert_eq!(pair.send(other, header, &halt.request()), Some(Reply::Done));
+                assert_eq!(pair.send(other, header, &Request::from(halt)), Some(Reply::Done));
                 // The path stands after 15 ms, and the axis has reached it after ten time constants of its loop.
                 pair.run(ms(415));
                 let at_m = pair.rig.plant.position_m[0];

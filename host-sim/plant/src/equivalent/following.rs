@@ -5,6 +5,9 @@ use model::effects::{Channel, Effect, Latency};
 use model::machine::{Axis, Machine};
 use model::servo::ServoParameters;
 
+use super::complete::is_complete;
+use super::effects::equivalent_effects;
+
 /// Greatest position gain, 1/s: the controller takes up to 2048 1/s in fixed point.
 const MOST_GAIN_PER_S: f64 = 2000.0;
 
@@ -24,7 +27,7 @@ impl Pace {
     pub fn of(machine: &Machine) -> Self {
         Self {
             position_gain_per_s: machine.sample_rate_hz.min(MOST_GAIN_PER_S),
-            is_common: machine.axis.values().all(|axis| !super::is_complete(axis) && follows(axis)),
+            is_common: machine.axis.values().all(|axis| !is_complete(axis) && follows(axis)),
         }
     }
 }
@@ -62,7 +65,7 @@ pub(super) fn axis(axis: &Axis, pace: Pace) -> Axis {
         smoothing_time_constant_s: filters.smoothing_time_constant_s,
         ..Filters::default()
     };
-    let mut effect = super::equivalent_effects(axis);
+    let mut effect = equivalent_effects(axis);
     effect.retain(|effect| ServoParameters::of(std::slice::from_ref(effect)) == ServoParameters::default());
     if pace.is_common {
         let ms = 1e3 / pace.position_gain_per_s;

@@ -20,7 +20,8 @@ use model::machine::Machine;
 use motion::{Motion, PathBlock};
 use plant::machine_path::MachinePath;
 use shared::interpolate::{Block, PathError};
-use shared::link::message::{AXES, Halt, MOTION_BLOCKS, Request};
+use shared::link::halt::Halt;
+use shared::link::message::{AXES, MOTION_BLOCKS, Request};
 use shared::link::refusal::Refusal;
 
 /// The machine file of the emulated board, used without `--machine`.
@@ -73,11 +74,11 @@ pub fn run(recording: &Recording<'_>) -> Result<()> {
         let expected = format!("at most {MOTION_BLOCKS} blocks, which the board holds");
         return Err(InputError::expected(motion_file, expected, blocks.len()).at_key("block").into());
     }
-    consent::ask(&consequence(&path.start_m), recording.yes)?;
     let mut client = connect(recording.port, recording.timeout_s)?;
     let tick_hz = client.welcome().rates.velocity_loop_hz;
     check_ticks(machine, recording.machine_file, tick_hz)?;
     let decimation = decimation(machine, recording.machine_file, tick_hz)?;
+    consent::ask(&consequence(&path.start_m), recording.yes)?;
     stop::write_partial_result();
     client.enable()?;
     stop::check_before_motion()?;

@@ -10,7 +10,7 @@ use crate::cli::stop;
 use ::board::motion::{POLL, stopped};
 use ::board::{BoardError, Client, Observer, refusal};
 use shared::interpolate::feed_hold::FeedState;
-use shared::link::message::Halt;
+use shared::link::halt::Halt;
 use shared::link::report::{Activity, HomingReport};
 use shared::link::{Refusal, Request, Status};
 use shared::safety::Power;

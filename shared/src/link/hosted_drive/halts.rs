@@ -1,7 +1,7 @@
 //! What holds, stops or switches off, for the host and for anybody else.
 
 use super::HostedDrive;
-use crate::link::message::Halt;
+use crate::link::halt::Halt;
 use crate::safety::Power;
 use crate::scalar::Scalar;
 

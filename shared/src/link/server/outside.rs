@@ -9,7 +9,8 @@
 //! None of them is a sign of life of the host: nobody else can keep its motion going.
 
 use super::super::HostedDrive;
-use super::super::message::{Halt, Reply, Request};
+use super::super::halt::Halt;
+use super::super::message::{Reply, Request};
 use super::super::packet::{self, Header, Packet};
 use super::super::port::SharedDrive;
 use super::super::receiver::LinkCounts;
