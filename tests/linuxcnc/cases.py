@@ -70,13 +70,6 @@ def lines(keys):
     return "".join(f"{key} = {value!r}\n".replace("'", '"') for key, value in keys.items())
 
 
-# Small axes.
-STEPPERS = machine({"velocity_loop_rate_hz": 20000.0},
-                   {"controller": "p", "position_gain_per_s": 800.0, "feedforward_percent": 100.0,
-                    "velocity_gain_n_s_per_m": 40000.0, "feedback": "motor",
-                    "motor_mass_kg": 5.0, "table_mass_kg": 20.0, "stiffness_n_per_um": 200.0, "damping_n_s_per_m": 20000.0,
-                    "coulomb_n": 30.0, "viscous_n_s_per_m": 100.0, "presliding_stiffness_n_per_um": 10.0,
-                    "presliding_damping_n_s_per_m": 500.0}, effects=PITCH + GAPS)
 # Time constants of 4 ms.
 VELOCITY_LOOP = {"controller": "p", "position_gain_per_s": 50.0, "feedforward_percent": 100.0, "velocity_gain_n_s_per_m": 62500.0,
                  "velocity_integral_time_s": 0.016, "feedback": "motor"}
@@ -87,6 +80,16 @@ ON_MOTOR, ON_SCALE = ({"feedback": feedback} for feedback in ("motor", "table"))
 VELOCITY_INI = {"P": 50.0, "FF1": 1.0, "FF2": 0.0, "FRICTION": 0.0, "FRICTION_PER_MM": 0.0, "FRICTION_DECAY": 0.0}
 TORQUE_INI = {"P": 50.0, "FF1": 1.0, "FF2": 0.0, "VELOCITY_P": 60.0, "VELOCITY_I": 3750.0, "FORCE_FF1": 0.0, "FORCE_FF2": 0.0,
               "FRICTION": 0.0, "FRICTION_PER_MM": 0.0, "MOTOR_FRICTION": 0.0, "MOTOR_FRICTION_FF1": 0.0}
+
+
+def steppers(errors):
+    """Small axes."""
+    return machine({"velocity_loop_rate_hz": 20000.0},
+                   {"controller": "p", "position_gain_per_s": 800.0, "feedforward_percent": 100.0,
+                    "velocity_gain_n_s_per_m": 40000.0, "feedback": "motor",
+                    "motor_mass_kg": 5.0, "table_mass_kg": 20.0, "stiffness_n_per_um": 200.0, "damping_n_s_per_m": 20000.0,
+                    "coulomb_n": 30.0, "viscous_n_s_per_m": 100.0, "presliding_stiffness_n_per_um": 10.0,
+                    "presliding_damping_n_s_per_m": 500.0}, effects=errors)
 
 
 def velocity_drives(errors):
@@ -119,6 +122,8 @@ CASES = [
          ["missing_feedforward"] + FRICTIONS, VELOCITY_INI | {"FF1": 0.0}),
     Case("velocity drives, low gain", "velocity-drives", velocity_drives(""), known_velocity(60.0), False, ["low_gain"] + FRICTIONS,
          VELOCITY_INI | {"FF1": 0.6}, p_share=0.7),
-    Case("steppers", "steppers", STEPPERS, KNOWN_STEPPERS, False, SCREWS + FRICTIONS),
+    Case("steppers, pitch", "steppers", steppers(PITCH), KNOWN_STEPPERS, False, ["pitch_map"] + FRICTIONS),
+    Case("steppers, gaps", "steppers", steppers(GAPS), KNOWN_STEPPERS, False, ["backlash"] + FRICTIONS, ratio=2.0),
+    Case("steppers", "steppers", steppers(PITCH + GAPS), KNOWN_STEPPERS, False, SCREWS + FRICTIONS),
     Case("steppers by formulas", "loopback", None, KNOWN_STEPPERS, True, SCREWS),
 ]

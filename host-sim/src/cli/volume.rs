@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 
 use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
+use ::volume::analysis::Verdict;
 use ::volume::survey::Survey;
 use ::volume::{Analysis, analyse, beckhoff, grid, linuxcnc, sources, text};
 use files::document::read_text;
@@ -88,7 +89,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     check_step(arguments, &analysis, &name)?;
     write_json(arguments.json.as_ref(), &analysis)?;
     let mut output = text::of(&analysis);
-    if analysis.is_confirmed != Some(false) {
+    let is_refuted = analysis.verdict == Verdict::Refuted;
+    if !is_refuted {
         if let Some(path) = &arguments.out {
             let csv = grid::csv(&analysis, arguments.step);
             write_whole(path, |out| out.write_all(csv.as_bytes()))?;
@@ -106,7 +108,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let path = report::volume_page::write(folder, &analysis)?;
         output += &format!("\n\nReport: {}", path.display());
     }
-    print(&output)
+    print(&output)?;
+    if is_refuted && (arguments.out.is_some() || arguments.format.is_some()) {
+        bail!(
+            "no table was written: a measurement is worse with the errors found; a table from before is as it was"
+        );
+    }
+    Ok(())
 }
 
 /// The step of the grid must be positive and leave a file of a sensible size.

@@ -6,11 +6,12 @@ use files::error::InputError;
 use files::format::significant;
 
 use super::axis_table::{self, AxisTable};
-use super::component::{Axis, Component, Kind, Range};
+use super::component::{Axis, Component, Range};
 use super::field::Geometry;
+use super::finding::{Finding, findings};
 use super::fit::Fit;
 use super::measurement::{Group, Row};
-use super::selection::{self, HALF_95, Item, Selected, Shown, of_item, shown};
+use super::selection::{self, Item, Selected, Shown, shown};
 use super::survey::What;
 use super::vector::dot;
 
@@ -20,51 +21,14 @@ const MAX_KNOTS: usize = 60;
 /// Targets that differ by less than this part of the range are one.
 const SAME_TARGET: f64 = 1e-4;
 
-/// Positions of each axis at which the size of an error is looked for.
-const POSITIONS: usize = 81;
-
 /// Least that is left of a measurement, µm rms, that is worth a sentence.
 const UNDESCRIBED_UM: f64 = 0.5;
 
-/// Factor by which a held-out measurement may be worse before the result is not confirmed: chance.
-const WORSE: f64 = 1.1;
+/// Largest part of the mean square of a held-out measurement that may be left where it confirms.
+const CONFIRMED: f64 = 0.5;
 
-/// An error that was looked for.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Finding {
-    /// The name of ISO 230-1, such as `EYX`; of squareness the two axes.
-    pub name: String,
-    /// In words.
-    pub words: String,
-    /// Unit of the value: µm, µrad, or µm/m for squareness.
-    pub unit: &'static str,
-    /// What is known of it.
-    #[serde(flatten)]
-    pub known: Known,
-}
-
-/// What is known of an error.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(tag = "known", rename_all = "snake_case")]
-pub enum Known {
-    /// It is there, and is in the tables.
-    Shown {
-        /// Where it is furthest from zero; of squareness its slope.
-        greatest: f64,
-        /// Half of the 95 % interval there.
-        half_width: f64,
-    },
-    /// It is not told from zero.
-    Small {
-        /// The furthest that it may move the tool at any reading, µm.
-        at_most_um: f64,
-    },
-    /// The measurements do not determine it.
-    Open {
-        /// The measurement that would.
-        shown_by: String,
-    },
-}
+/// Factor by which a measurement may be worse by chance.
+const WORSE: f64 = 1.02;
 
 /// A measurement before and after.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -77,6 +41,37 @@ pub struct Judged {
     pub before_um: f64,
     /// Less the errors that are shown.
     pub after_um: f64,
+}
+
+/// Whether the measurements confirm the errors that are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Of all held-out measurements together, less than half of the mean square is left, and none is worse.
+    Confirmed,
+    /// Nothing was held out.
+    NotJudged,
+    /// None is worse, and more than half is left of what was held out.
+    Undecided,
+    /// A measurement is worse, held out or not.
+    Refuted,
+}
+
+impl Verdict {
+    fn of(judged: &[Judged]) -> Self {
+        let is_worse = |judged: &Judged| judged.after_um > WORSE * judged.before_um;
+        let held_out = || judged.iter().filter(|judged| judged.is_held_out);
+        let square = |um: fn(&Judged) -> f64| held_out().map(|judged| um(judged).powi(2)).sum::<f64>();
+        if judged.iter().any(is_worse) {
+            Self::Refuted
+        } else if held_out().next().is_none() {
+            Self::NotJudged
+        } else if square(|judged| judged.after_um) < CONFIRMED * square(|judged| judged.before_um) {
+            Self::Confirmed
+        } else {
+            Self::Undecided
+        }
+    }
 }
 
 /// The result.
@@ -92,8 +87,8 @@ pub struct Analysis {
     pub findings: Vec<Finding>,
     /// The measurements.
     pub judged: Vec<Judged>,
-    /// Whether no held-out measurement is worse with the errors that are shown. `None`: nothing was held out.
-    pub is_confirmed: Option<bool>,
+    /// Whether the measurements confirm the errors that are shown.
+    pub verdict: Verdict,
     /// The errors that are shown, over the position of each axis.
     pub tables: [AxisTable; 3],
     /// What was assumed or left out.
@@ -112,20 +107,18 @@ pub fn analyse(chain: [Axis; 3], groups: Vec<Group>) -> Result<Analysis, InputEr
     let ranges = Axis::ALL.map(|axis| range(axis, &groups));
     let groups = within(groups, &ranges, &mut notes)?;
     let fitted = groups.iter().filter(|group| !group.is_held_out);
-    let rows: Vec<Row> = fitted.flat_map(|group| group.rows.iter().copied()).collect();
+    let rows: Vec<&[Row]> = fitted.map(|group| &group.rows[..]).collect();
     let geometry = Geometry::new(chain, ranges, &rows);
-    let Selected { fit, small, simpler } = selection::fitted(&geometry, &groups);
+    let Selected { fit, simpler } = selection::fitted(&geometry, &groups);
     notes.extend(simplified(&simpler));
     let is_shown = |item: Item| shown(&fit, item) == Shown::Yes;
     let kept: Vec<usize> =
         (0..fit.terms.len()).filter(|term| Item::of(fit.terms[*term]).is_some_and(is_shown)).collect();
     let tables = axis_table::of(&geometry, &fit, &kept);
-    let findings = findings(&geometry, &groups, &fit, &small);
+    let findings = findings(&geometry, &groups, &fit, &simpler);
     let judged: Vec<Judged> = groups.iter().map(|group| judged(group, &geometry, &fit, &kept)).collect();
     notes.extend(groups.iter().zip(&judged).filter_map(|(group, judged)| undescribed(group, judged)));
-    let held_out = || judged.iter().filter(|judged| judged.is_held_out);
-    let is_confirmed =
-        held_out().next().map(|_| held_out().all(|judged| judged.after_um <= WORSE * judged.before_um));
+    let verdict = Verdict::of(&judged);
     if groups.iter().any(|group| matches!(group.what, What::Circle { .. })) {
         notes.push(
             "Errors that depend on acceleration (in-talk, cross-talk) look like squareness on a circle: they grow with the square of the feed, so \
@@ -135,7 +128,7 @@ pub fn analyse(chain: [Axis; 3], groups: Vec<Group>) -> Result<Analysis, InputEr
     }
     let measured_mm = [0, 1, 2].map(|axis| [geometry.ranges[axis].low_mm, geometry.ranges[axis].high_mm]);
     let lever_from_mm = [0, 1, 2].map(|axis| geometry.ranges[axis].lever_from_mm);
-    Ok(Analysis { chain, measured_mm, lever_from_mm, findings, judged, is_confirmed, tables, notes })
+    Ok(Analysis { chain, measured_mm, lever_from_mm, findings, judged, verdict, tables, notes })
 }
 
 impl Analysis {
@@ -162,11 +155,14 @@ fn undescribed(group: &Group, judged: &Judged) -> Option<String> {
 
 /// What was taken as zero, because the measurements do not determine it.
 fn simplified(components: &[Component]) -> Option<String> {
+    let mut components = components.to_vec();
+    components.sort();
+    components.dedup();
     let names: Vec<String> = components.iter().map(|component| component.name()).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "Taken as zero, as these measurements do not tell them from other errors: cubic bends, and bends of tilts, of {}. \
-             Circles about other centres would show them.",
+            "Taken as zero, as these measurements do not tell them from other errors: the finest courses of {} (cubic bends, bends of tilts). What \
+             is shown beside them holds if they are small; circles about other centres would show them.",
             names.join(", ")
         )
     })
@@ -250,78 +246,6 @@ fn within(
         kept.push(Group { rows, unknowns, ..group });
     }
     Ok(kept)
-}
-
-/// All errors: shown, small, open.
-fn findings(geometry: &Geometry, groups: &[Group], fit: &Fit, small: &[(Item, f64)]) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    for item in selection::items(&geometry.terms()) {
-        let small = small.iter().find(|(other, _)| *other == item).map(|(_, bound_um)| *bound_um);
-        let known = match (small, shown(fit, item)) {
-            (Some(at_most_um), _) => Known::Small { at_most_um },
-            (None, Shown::Yes) => greatest(geometry, fit, item),
-            (None, Shown::No) => Known::Small { at_most_um: selection::bound(fit, geometry, groups, item) },
-            (None, Shown::Open) => Known::Open { shown_by: item.component.shown_by(geometry.chain) },
-        };
-        findings.push(named(item, known));
-    }
-    for component in Component::all() {
-        let is_known = findings.iter().any(|finding| finding.name == component.name());
-        if !is_known {
-            let item = Item { component, is_squareness: false };
-            findings.push(named(item, Known::Open { shown_by: component.shown_by(geometry.chain) }));
-        }
-    }
-    let rank = |finding: &Finding| match finding.known {
-        Known::Shown { .. } => 0,
-        Known::Small { .. } => 1,
-        Known::Open { .. } => 2,
-    };
-    findings.sort_by_key(rank);
-    findings
-}
-
-fn named(item: Item, known: Known) -> Finding {
-    let component = item.component;
-    match component.kind {
-        Kind::Along(axis) if item.is_squareness => {
-            let [leaning, to] = [component.moved.name(), axis.name()];
-            let words = format!("squareness: {leaning} leans towards + of {to}");
-            Finding { name: format!("{to}-{leaning}"), words, unit: "µm/m", known }
-        }
-        _ => Finding { name: component.name(), words: component.words(), unit: component.unit(), known },
-    }
-}
-
-/// The value of an item where it is furthest from zero; of squareness its slope, µm/m.
-fn greatest(geometry: &Geometry, fit: &Fit, item: Item) -> Known {
-    let own = of_item(&fit.terms, item);
-    let [low_mm, high_mm] = geometry.spans_mm.get(&item.component).copied().unwrap_or_default();
-    let span_mm = high_mm - low_mm;
-    if item.is_squareness {
-        // From −1 to 1 over the span: twice the value in its length.
-        let per_m = 2.0 * 1e3 / span_mm;
-        let deviation = fit.covariance[(own[0], own[0])].max(0.0).sqrt();
-        return Known::Shown {
-            greatest: per_m * fit.values[own[0]],
-            half_width: per_m * HALF_95 * deviation,
-        };
-    }
-    let at = |step: usize| {
-        let mm = low_mm + span_mm * step as f64 / (POSITIONS - 1) as f64;
-        let courses: Vec<f64> = own.iter().map(|term| geometry.value(fit.terms[*term], mm)).collect();
-        let value: f64 = courses.iter().zip(&own).map(|(course, term)| course * fit.values[*term]).sum();
-        let mut variance = 0.0;
-        for (a, first) in own.iter().enumerate() {
-            for (b, second) in own.iter().enumerate() {
-                variance += courses[a] * courses[b] * fit.covariance[(*first, *second)];
-            }
-        }
-        (value, HALF_95 * variance.max(0.0).sqrt())
-    };
-    let furthest = (0..POSITIONS).map(at).max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
-    let (greatest, half_width) = furthest.unwrap_or((0.0, 0.0));
-    Known::Shown { greatest, half_width }
 }
 
 /// A measurement before and after, with its instrument fitted again to each.

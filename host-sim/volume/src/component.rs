@@ -107,19 +107,19 @@ impl Component {
         }
     }
 
-    /// What shows it: the measurement that is to be added.
+    /// What shows it: the measurement that is to be added. `None`: nothing, as it does not move the tool.
     #[must_use]
-    pub fn shown_by(self, chain: [Axis; 3]) -> String {
+    pub fn shown_by(self, chain: [Axis; 3]) -> Option<String> {
         let moved = self.moved.name();
-        match self.kind {
+        Some(match self.kind {
             Kind::Along(axis) if axis == self.moved => format!("a positioning test of {moved}"),
-            Kind::Along(axis) => format!("a circle in the plane of {moved} and {}", axis.name()),
+            Kind::Along(axis) => {
+                format!("circles in the plane of {moved} and {} at several places", axis.name())
+            }
             Kind::About(about) => {
                 let beyond = |axis: &&Axis| **axis != about;
                 let carried = carried(chain, self.moved);
-                let Some(lever) = carried.iter().find(beyond) else {
-                    return "nothing: no axis is a lever for it, and it does not move the tool".to_owned();
-                };
+                let lever = carried.iter().find(beyond)?;
                 // A rotation about one axis with a lever along another moves the tool along the third.
                 let seen = Axis::ALL.into_iter().find(|axis| *axis != about && axis != lever);
                 let seen = seen.map_or("", Axis::name);
@@ -130,7 +130,7 @@ impl Component {
                     format!("circles in the plane of {moved} and {seen} at two positions of {lever}")
                 }
             }
-        }
+        })
     }
 }
 

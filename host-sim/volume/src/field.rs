@@ -35,28 +35,45 @@ pub struct Term {
 }
 
 impl Geometry {
-    /// The geometry of an order of the axes and of rows that are to be fitted.
+    /// The geometry of an order of the axes and of the measurements that are to be fitted, each with its rows.
     #[must_use]
-    pub fn new(chain: [Axis; 3], ranges: [Range; 3], rows: &[Row]) -> Self {
+    pub fn new(chain: [Axis; 3], ranges: [Range; 3], measurements: &[&[Row]]) -> Self {
         let mut geometry = Self { chain, ranges, spans_mm: BTreeMap::new() };
         for component in Component::all() {
-            let is_seen = |row: &&Row| {
-                let per_unit = match component.kind {
-                    Kind::Along(axis) => unit(axis),
-                    // A lever of 1 mm counts as an error of 1.
-                    Kind::About(axis) => {
-                        geometry.turned_um(component.moved, unit(axis), row.at_mm).map(|um| 1e3 * um)
-                    }
-                };
-                dot(row.direction, per_unit).abs() > LEAST_SEEN
-            };
-            let at_mm = || rows.iter().filter(is_seen).map(|row| row.at_mm[component.moved as usize]);
-            let [low_mm, high_mm] = [numerics::min(at_mm()), numerics::max(at_mm())];
+            let seen = measurements.iter().flat_map(|rows| geometry.seen_mm(component, rows));
+            let seen_mm: Vec<f64> = seen.collect();
+            let [low_mm, high_mm] =
+                [numerics::min(seen_mm.iter().copied()), numerics::max(seen_mm.iter().copied())];
             if high_mm > low_mm {
                 geometry.spans_mm.insert(component, [low_mm, high_mm]);
             }
         }
         geometry
+    }
+
+    /// The positions of its axis, mm, at which a measurement shows a component. Where it does the same to all readings, it is in the origin
+    /// of the instrument.
+    fn seen_mm(&self, component: Component, rows: &[Row]) -> Vec<f64> {
+        let moved = component.moved as usize;
+        let effects = rows.iter().map(|row| {
+            let per_unit = match component.kind {
+                Kind::Along(axis) => unit(axis),
+                // A lever of 1 mm counts as an error of 1.
+                Kind::About(axis) => {
+                    self.turned_um(component.moved, unit(axis), row.at_mm).map(|um| 1e3 * um)
+                }
+            };
+            (row.at_mm[moved], dot(row.direction, per_unit))
+        });
+        let effects: Vec<(f64, f64)> = effects.collect();
+        let differs =
+            |of: fn(&(f64, f64)) -> f64| numerics::peak_to_peak(effects.iter().map(of)) > LEAST_SEEN;
+        let is_part = match component.kind {
+            Kind::Along(_) => differs(|(at_mm, _)| *at_mm),
+            Kind::About(_) => differs(|(at_mm, _)| *at_mm) || differs(|(_, effect)| *effect),
+        };
+        let shown = effects.into_iter().filter(|(_, effect)| is_part && effect.abs() > LEAST_SEEN);
+        shown.map(|(at_mm, _)| at_mm).collect()
     }
 
     /// The value of a course of a component at a position of its axis; 0 if no reading shows the component.

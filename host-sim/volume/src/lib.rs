@@ -13,6 +13,7 @@
 //! - [`vector`]: products of vectors
 //! - [`fit`]: least squares, intervals, and what is not determined
 //! - [`selection`]: components that the readings do not show
+//! - [`finding`]: what is known of each error
 //! - [`analysis`]: all of it
 //! - [`axis_table`]: the components that are shown, over the position of each axis
 //! - [`grid`], [`beckhoff`], [`linuxcnc`]: the files
@@ -23,6 +24,7 @@ pub mod axis_table;
 pub mod beckhoff;
 pub mod component;
 pub mod field;
+pub mod finding;
 pub mod fit;
 pub mod grid;
 pub mod linuxcnc;

@@ -22,7 +22,10 @@ const SECTOR_RAD: f64 = TAU / SECTORS as f64;
 const AT_REVERSAL_RAD: f64 = 10.0 / 360.0 * TAU;
 
 /// Fewest sectors of a circle.
-const MIN_SECTORS: usize = 60;
+const MIN_SECTORS: usize = 36;
+
+/// Median of the square of a normal variable with variance 1.
+const MEDIAN_OF_SQUARE: f64 = 0.455;
 
 /// Fewest targets of a positioning test.
 const MIN_TARGETS: usize = 3;
@@ -51,7 +54,7 @@ pub struct Group {
     pub rows: Vec<Row>,
     /// What is unknown of the instrument: columns, one value for each row.
     pub unknowns: Vec<Vec<f64>>,
-    /// Standard deviation of a value by what the measurement itself shows, µm; of a circle 0: only what the fit leaves shows it.
+    /// Standard deviation of a value by what the measurement itself shows, µm.
     pub scatter_um: f64,
     /// What was assumed or left out.
     pub notes: Vec<String>,
@@ -130,7 +133,9 @@ impl Group {
         };
         let sectors = sectors(measured);
         if sectors.len() < MIN_SECTORS {
-            return refused("a circle in both directions, a third of which at least is in both", "less");
+            let expected =
+                format!("a circle in both directions, with both in {MIN_SECTORS} sectors of 2° or more");
+            return refused(&expected, &sectors.len().to_string());
         }
         let radius_mm = measured.samples.radius_mm;
         let (rows, circular): (Vec<Row>, Vec<[f64; 4]>) =
@@ -139,7 +144,10 @@ impl Group {
         let unknowns = (0..columns).map(|column| circular.iter().map(|row| row[column]).collect()).collect();
         let (source, notes) = (measured.source.clone(), measured.notes.clone());
         let is_held_out = place.is_held_out;
-        Ok(Self { source, what: place.what, is_held_out, rows, unknowns, scatter_um: 0.0, notes })
+        let channels = sectors.first().map_or(1, |(_, values_um)| values_um.len());
+        let values_um: Vec<f64> = rows.iter().map(|row| row.value_um).collect();
+        let scatter_um = by_second_differences(&values_um, channels);
+        Ok(Self { source, what: place.what, is_held_out, rows, unknowns, scatter_um, notes })
     }
 
     /// What a least-squares fit of the unknowns of the instrument alone leaves of values of its rows.
@@ -194,10 +202,17 @@ fn scatter_um(at_target: &[[Vec<f64>; 2]], rows: &[Row]) -> f64 {
     if freedoms > 0.0 {
         return (squares / freedoms / (readings / rows.len() as f64)).sqrt();
     }
-    // The second difference of independent values has six times their variance.
-    let second = |three: &[Row]| (three[0].value_um - 2.0 * three[1].value_um + three[2].value_um).powi(2);
-    let differences: Vec<f64> = rows.windows(3).map(second).collect();
-    (numerics::mean(differences.iter().copied()) / 6.0).sqrt()
+    let values_um: Vec<f64> = rows.iter().map(|row| row.value_um).collect();
+    by_second_differences(&values_um, 1)
+}
+
+/// Standard deviation of values from their second differences, which have six times the variance of independent values. `channels` are
+/// interleaved.
+fn by_second_differences(values_um: &[f64], channels: usize) -> f64 {
+    let ends = 2 * channels;
+    let second = |five: &[f64]| (five[0] - 2.0 * five[channels] + five[ends]).powi(2);
+    let squares: Vec<f64> = values_um.windows(ends + 1).map(second).collect();
+    (numerics::median(&squares).unwrap_or(0.0) / (6.0 * MEDIAN_OF_SQUARE)).sqrt()
 }
 
 /// The sector of an angle from 0 to a turn, rad.

@@ -1,4 +1,4 @@
-//! Which components the readings show: those that cannot be told from zero, though they are determined well, are left out of the fit.
+//! Which components the readings show.
 
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -17,9 +17,6 @@ pub const HALF_95: f64 = 1.96;
 
 /// Smallest part of what a term does somewhere in the volume that a reading must show.
 const LEAST_SEEN: f64 = 0.03;
-
-/// Widest half of an interval about zero, µm where it moves the tool most, of a component that is left out.
-const NEGLIGIBLE_UM: f64 = 2.0;
 
 /// What is told as one error: a component, or the squareness that is the slope of one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -83,15 +80,13 @@ pub fn shown(fit: &Fit, item: Item) -> Shown {
 pub struct Selected {
     /// The fit of what is kept.
     pub fit: Fit,
-    /// What was left out as not told from zero, with the furthest that it may move the tool, µm.
-    pub small: Vec<(Item, f64)>,
     /// Components whose course of the highest degree was left out because the readings do not determine it.
     pub simpler: Vec<Component>,
 }
 
-/// Fits all terms, and leaves out, one after the other, what is not told from zero and negligible.
+/// Fits all terms. What is not told from zero stays in the fit: left out, it would take its uncertainty out of the intervals of the others.
 ///
-/// A course of the highest degree that is not determined is left out first: circles about one centre cannot tell the cubic bends of two
+/// A course of the highest degree that is not determined is left out: circles about one centre cannot tell the cubic bends of two
 /// axes from their squareness (sin θ · cos³ θ + cos θ · sin³ θ = sin θ · cos θ), and a guideway that is smooth has little of it. Their
 /// difference is fitted, and told of neither.
 #[must_use]
@@ -130,20 +125,7 @@ pub fn fitted(geometry: &Geometry, groups: &[Group]) -> Selected {
         };
         fit = Fit::of(geometry, (0..fit.terms.len()).filter_map(of).collect(), groups);
     }
-    let mut small = Vec::new();
-    loop {
-        let of = |item: Item| {
-            let bound = bound(&fit, geometry, groups, item);
-            let own = of_item(&fit.terms, item);
-            (shown(&fit, item) == Shown::No && bound <= NEGLIGIBLE_UM)
-                .then(|| (chance(&fit, &own), item, bound))
-        };
-        let worst = items(&fit.terms).into_iter().filter_map(of).max_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((_, item, bound_um)) = worst else { return Selected { fit, small, simpler } };
-        small.push((item, bound_um));
-        let kept = fit.terms.iter().copied().filter(|term| Item::of(*term) != Some(item)).collect();
-        fit = Fit::of(geometry, kept, groups);
-    }
+    Selected { fit, simpler }
 }
 
 /// Whether any reading shows more than a trace of what a term does somewhere in the measured volume: an unknown of which only a trace is seen

@@ -57,6 +57,16 @@ fn circle_of(
             }
         }
     }
+    match (tables.first(), logs.first(), radius_mm) {
+        (Some((_, table)), _, None) => {
+            return Err(InputError::expected(table, "radius_mm of its [[circle]] in the survey", "none"));
+        }
+        (None, Some(log), Some(radius_mm)) => {
+            let expected = "no radius_mm of its [[circle]] in the survey, as a log has its own";
+            return Err(InputError::expected(&log.source, expected, radius_mm));
+        }
+        _ => {}
+    }
     let nominal = Nominal { radius_mm, ..Nominal::default() };
     Ok((Measured::of_files(&logs, tables, nominal)?, all_notes))
 }

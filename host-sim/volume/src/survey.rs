@@ -21,9 +21,13 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use files::document::Document;
-use files::error::InputError;
+use files::error::{InputError, quoted};
 
 use super::component::Axis;
+
+/// Smallest radius and furthest position, mm.
+const LEAST_RADIUS_MM: f64 = 1.0;
+const FURTHEST_MM: f64 = 1e5;
 
 /// A survey.
 #[derive(Clone, Debug, PartialEq)]
@@ -126,6 +130,13 @@ impl Survey {
         for (index, table) in raw.circle.into_iter().enumerate() {
             measurements.push(circle(table, &format!("circle[{index}]"), &document, folder)?);
         }
+        let mut files: Vec<&PathBuf> =
+            measurements.iter().flat_map(|measurement| &measurement.files).collect();
+        files.sort();
+        if let Some(twice) = files.windows(2).find(|two| two[0] == two[1]) {
+            let found = quoted(&twice[0].display().to_string());
+            return Err(InputError::expected(&name, "each file once", format!("{found} twice")));
+        }
         if measurements.iter().all(|measurement| measurement.is_held_out) {
             let expected = "a [[positioning]] or [[circle]] without validate = true";
             return Err(InputError::expected(&name, expected, "none"));
@@ -165,8 +176,8 @@ fn circle(
     if table.files.is_empty() || table.files.len() > 2 {
         return Err(document.refuse(&format!("{key}.files"), "one file, or one for each direction"));
     }
-    if table.radius_mm.is_some_and(|radius_mm| radius_mm <= 0.0) {
-        return Err(document.refuse(&format!("{key}.radius_mm"), "a number above 0"));
+    if table.radius_mm.is_some_and(|radius_mm| !(LEAST_RADIUS_MM..=FURTHEST_MM).contains(&radius_mm)) {
+        return Err(document.refuse(&format!("{key}.radius_mm"), "1 to 100000"));
     }
     let at_mm = complete(&table.at_mm, &Axis::ALL, &format!("{key}.at_mm"), document)?;
     let files = table.files.into_iter().map(|file| folder.join(file)).collect();
@@ -191,6 +202,11 @@ fn complete(
     let place = place(table);
     if let Some(axis) = needed.iter().find(|axis| place[**axis as usize].is_none()) {
         return Err(document.refuse(key, &format!("the position of {}", axis.name())));
+    }
+    for axis in needed {
+        if place[*axis as usize].is_some_and(|mm| mm.abs() > FURTHEST_MM) {
+            return Err(document.refuse(&format!("{key}.{}", axis.name()), "-100000 to 100000"));
+        }
     }
     Ok(place.map(Option::unwrap_or_default))
 }

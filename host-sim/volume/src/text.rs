@@ -2,7 +2,8 @@
 
 use files::format::{significant, with_spread};
 
-use super::analysis::{Analysis, Finding, Judged, Known};
+use super::analysis::{Analysis, Judged, Verdict};
+use super::finding::{Finding, Known};
 
 /// A sentence, the errors, the measurements before and after, and what was assumed.
 #[must_use]
@@ -28,12 +29,15 @@ pub fn sentence(analysis: &Analysis) -> String {
     let shown = count(|known| matches!(known, Known::Shown { .. }));
     let open = count(|known| matches!(known, Known::Open { .. }));
     let errors = |number: usize| if number == 1 { "1 error".to_owned() } else { format!("{number} errors") };
-    let judged = match analysis.is_confirmed {
-        Some(true) => "Measurements that took no part in the fit confirm them.",
-        Some(false) => {
-            "A measurement that took no part in the fit is worse with them: they are not confirmed, and no table is written."
+    let judged = match analysis.verdict {
+        Verdict::Confirmed => "Measurements that took no part in the fit confirm them.",
+        Verdict::NotJudged => "No measurement was held out to judge them.",
+        Verdict::Undecided => {
+            "The measurements that took no part in the fit neither confirm nor refute them: more than half of their mean square is left."
         }
-        None => "No measurement was held out to judge them.",
+        Verdict::Refuted => {
+            "A measurement is worse with them: they are not confirmed, and no table is written."
+        }
     };
     let open = if open == 0 {
         String::new()
@@ -51,13 +55,19 @@ fn are(number: usize) -> String {
 #[must_use]
 pub fn known(finding: &Finding) -> String {
     match &finding.known {
-        Known::Shown { greatest, half_width } => {
-            format!("{} {}", with_spread(*greatest, *half_width), finding.unit)
+        Known::Shown { greatest, half_width, if_zero } => {
+            let condition = if if_zero.is_empty() {
+                String::new()
+            } else {
+                format!(", if {} is zero", if_zero.join(" and "))
+            };
+            format!("{} {}{condition}", with_spread(*greatest, *half_width), finding.unit)
         }
         Known::Small { at_most_um } => {
             format!("not told from zero: at most {} µm at the tool", significant(*at_most_um, 2))
         }
         Known::Open { shown_by } => format!("not determined; shown by {shown_by}"),
+        Known::WithoutEffect => "does not move the tool".to_owned(),
     }
 }
 

@@ -11,7 +11,8 @@ use std::process::Command;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use volume::analysis::{Analysis, Finding, Known};
+use volume::analysis::{Analysis, Verdict};
+use volume::finding::{Finding, Known};
 use volume::survey::Survey;
 use volume::{analyse, sources};
 
@@ -152,7 +153,7 @@ fn survey(folder: &Path, machine: &Machine, places: &Places, seed: u64) -> Surve
     }
     for (index, (plane, at_mm, is_held_out)) in places.circles.iter().enumerate() {
         let file = format!("circle{index}.csv");
-        let radius_mm = 120.0;
+        let radius_mm = if *is_held_out { 90.0 } else { 120.0 };
         fs::write(folder.join(&file), machine.circle(*plane, *at_mm, radius_mm, &mut random)).unwrap();
         let [x, y, z] = at_mm;
         toml += &format!(
@@ -201,7 +202,8 @@ fn many() -> Places {
         }
     }
     places.lines.push((0, [250.0, 60.0, -60.0], true));
-    places.circles.push(([0, 1], [350.0, 250.0, -80.0], true));
+    // Within the positions at which the straightness was seen: beyond them the tables hold the last value.
+    places.circles.push(([0, 1], [275.0, 220.0, -80.0], true));
     places
 }
 
@@ -281,7 +283,7 @@ fn many_measurements_show_the_errors_of_the_volume() {
             "{seed}: {before_um} µm, after {after_um} µm\n{}",
             volume::text::of(&analysis)
         );
-        assert_eq!(analysis.is_confirmed, Some(true), "{seed}: {}", volume::text::of(&analysis));
+        assert_eq!(analysis.verdict, Verdict::Confirmed, "{seed}: {}", volume::text::of(&analysis));
         for judged in analysis.judged.iter().filter(|judged| judged.is_held_out) {
             held_out[0] += judged.before_um.powi(2);
             held_out[1] += judged.after_um.powi(2);
@@ -305,7 +307,7 @@ fn squareness_is_found_and_nothing_else() {
             for (index, name) in ["x-y", "x-z", "y-z"].into_iter().enumerate() {
                 let per_m = 1e3 * leans_um[index] / travels_mm[index];
                 match finding(&analysis, name).known {
-                    Known::Shown { greatest, half_width } => {
+                    Known::Shown { greatest, half_width, .. } => {
                         // Half a width beside the interval: 1.5 widths are 99.7 %.
                         assert!(
                             (greatest - per_m).abs() < 1.5 * half_width,
@@ -316,7 +318,7 @@ fn squareness_is_found_and_nothing_else() {
                     Known::Small { at_most_um } => {
                         assert!(per_m == 0.0 && at_most_um < 1.0, "{name}: {at_most_um}");
                     }
-                    Known::Open { .. } => {
+                    Known::Open { .. } | Known::WithoutEffect => {
                         assert!(may_be_open, "{name} is open\n{}", volume::text::of(&analysis));
                     }
                 }
@@ -346,7 +348,7 @@ fn a_tilt_that_one_place_does_not_show_is_not_determined() {
     assert!(analysis.tables.iter().flat_map(|table| &table.about_urad).flatten().all(|urad| *urad == 0.0));
     // With lines at two heights it is: 60 µrad over the travel, from the middle.
     let analysis = analysed(&machine, &many(), 21);
-    let Known::Shown { greatest, half_width } = finding(&analysis, "EBX").known else {
+    let Known::Shown { greatest, half_width, .. } = finding(&analysis, "EBX").known else {
         panic!("{analysis:?}")
     };
     assert!((greatest.abs() - 30.0).abs() < 1.5 * half_width, "{greatest} ± {half_width}");
@@ -429,6 +431,13 @@ fn the_component_of_linuxcnc_computes_the_errors() {
         .output()
         .unwrap();
     assert!(build.status.success(), "{}", String::from_utf8_lossy(&build.stderr));
+    // The whole component, where LinuxCNC is installed.
+    if Command::new("halcompile").arg("--help").output().is_ok() {
+        fs::write(folder.path().join("volumekins.comp"), &text).unwrap();
+        let whole = ["--compile", "volumekins.comp"];
+        let build = Command::new("halcompile").args(whole).current_dir(&folder).output().unwrap();
+        assert!(build.status.success(), "{}", String::from_utf8_lossy(&build.stderr));
+    }
     let input: String = points().iter().map(|[x, y, z]| format!("{x} {y} {z}\n")).collect();
     fs::write(folder.path().join("points"), input).unwrap();
     let points_file = fs::File::open(folder.path().join("points")).unwrap();
