@@ -3,7 +3,7 @@
 #
 #   tests/linuxcnc.sh [FOLDER]
 #
-# Installs LinuxCNC where apt has it, and makes the user `lostmotion` for it where this is root. About 16 minutes, and compiling. FOLDER/index.html shows the
+# Installs LinuxCNC where apt has it, and makes the user `lostmotion` for it where this is root. About 20 minutes, and compiling. FOLDER/index.html shows the
 # circles. The last line is JSON: the contour error on a circle before, predicted and after, µm rms. docs/linuxcnc.md says what is run.
 set -euo pipefail
 cd "$(dirname "$0")/.."
