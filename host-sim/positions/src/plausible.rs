@@ -80,11 +80,7 @@ fn of_deviations(raw: &[Raw], source: &str) -> InputError {
 
 /// Takes single readings in µm as such, leaves out those far from their target, and the zero of the laser.
 fn near_targets(raw: &mut Vec<Raw>, source: &str, notes: &mut Vec<String>) -> Result<(), InputError> {
-    let mut targets: Vec<f64> = raw.iter().map(|reading| reading.target_mm).collect();
-    targets.sort_by(f64::total_cmp);
-    let travel_mm = numerics::peak_to_peak(targets.iter().copied());
-    let steps = targets.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-3 * travel_mm);
-    let far_mm = FAR * numerics::min(steps).min(travel_mm);
+    let far_mm = far_mm(raw);
     let zero_mm =
         numerics::median(&raw.iter().map(|reading| reading.value).collect::<Vec<_>>()).unwrap_or(0.0);
     if zero_mm.abs() > far_mm {
@@ -108,14 +104,50 @@ fn near_targets(raw: &mut Vec<Raw>, source: &str, notes: &mut Vec<String>) -> Re
             far.push((index, reading.line, reading.value));
         }
     }
+    leave_out(raw, &far, "measured_mm", source, notes)
+}
+
+/// Leaves out deviations, µm, that are far beyond a target.
+///
+/// # Errors
+/// More than one in ten of them.
+pub(crate) fn deviations(
+    raw: &mut Vec<Raw>,
+    source: &str,
+    notes: &mut Vec<String>,
+) -> Result<(), InputError> {
+    let far_mm = far_mm(raw);
+    let is_far = |(_, reading): &(usize, &Raw)| 1e-3 * reading.value.abs() > far_mm;
+    let far = raw.iter().enumerate().filter(is_far);
+    let far: Vec<_> = far.map(|(index, reading)| (index, reading.line, 1e-3 * reading.value)).collect();
+    leave_out(raw, &far, "deviation_um", source, notes)
+}
+
+/// Distance from a target from which on a reading is no reading of it, mm.
+fn far_mm(raw: &[Raw]) -> f64 {
+    let mut targets: Vec<f64> = raw.iter().map(|reading| reading.target_mm).collect();
+    targets.sort_by(f64::total_cmp);
+    let travel_mm = numerics::peak_to_peak(targets.iter().copied());
+    let steps = targets.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-3 * travel_mm);
+    FAR * numerics::min(steps).min(travel_mm)
+}
+
+/// Leaves out readings by their index, line and distance from the target, mm.
+fn leave_out(
+    raw: &mut Vec<Raw>,
+    far: &[(usize, usize, f64)],
+    key: &str,
+    source: &str,
+    notes: &mut Vec<String>,
+) -> Result<(), InputError> {
     let Some(&(_, line, first_mm)) = far.first() else { return Ok(()) };
     if far.len() as f64 > MAX_FAR * raw.len() as f64 {
         let found = format!("one {first_mm:.4} mm from it");
         let error = InputError::expected(source, "a position near its target", found);
-        return Err(error.at_line(line).at_key("measured_mm"));
+        return Err(error.at_line(line).at_key(key));
     }
-    for (_, line, mm) in &far {
-        notes.push(format!("{source}: line {line}: measured_mm: {mm:.4} mm from its target, left out."));
+    for (_, line, mm) in far {
+        notes.push(format!("{source}: line {line}: {key}: {mm:.4} mm from its target, left out."));
     }
     let mut index = 0..raw.len();
     raw.retain(|_| index.next().is_some_and(|index| far.iter().all(|(other, ..)| *other != index)));

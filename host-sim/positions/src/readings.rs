@@ -54,7 +54,9 @@ pub fn of_text(
     }
     note_refused(&refused, &mut notes);
     let is_deviation = columns.iter().any(|column| column.role == Role::Deviation);
-    if !is_deviation {
+    if is_deviation {
+        plausible::deviations(&mut raw, source, &mut notes)?;
+    } else {
         plausible::in_millimetres(&mut raw, source, &mut notes)?;
     }
     infer_ways(&mut raw, &mut notes);

@@ -3,6 +3,11 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use positions::columns::Request;
+use positions::iso::{figures, positions};
+use positions::measured::Test;
+use positions::readings;
+
 use super::generator::{Axis, normal};
 
 /// Of 200 axes with noise alone, the effects found: five of a hundred are allowed for the offset, whose interval of 95 % may miss zero.
@@ -35,8 +40,8 @@ fn runs_that_differ_by_chance_do_not_drift() {
             let measured: f64 = cells[3].parse().unwrap();
             *line = format!("{},{},{},{}", cells[0], cells[1], cells[2], measured + offset);
         }
-        let request = positions::columns::Request::default();
-        let test = positions::readings::of_text(&lines.join("\n"), "x.csv", &request, Vec::new()).unwrap();
+        let request = Request::default();
+        let test = readings::of_text(&lines.join("\n"), "x.csv", &request, Vec::new()).unwrap();
         let analysis = positions::analyse(test, Vec::new(), &super::generator::options()).unwrap();
         let has_drift = analysis
             .effects
@@ -56,4 +61,24 @@ fn runs_that_differ_by_chance_do_not_drift() {
     }
     // A trend by chance in one of twenty.
     assert!(drifts <= 10, "{drifts}");
+}
+
+/// A deviation of a metre is no deviation: it is left out and told, and the figures are those without it.
+#[test]
+fn a_deviation_beyond_the_targets_is_left_out() {
+    let mut lines = vec!["run,approach,target_mm,deviation_um".to_owned()];
+    for run in 1..=3 {
+        for (sign, mark) in [(1.0, '+'), (-1.0, '-')] {
+            lines.extend((0..11).map(|target| format!("{run},{mark},{},{}", 10 * target, 3.0 * sign)));
+        }
+    }
+    let sound = lines.join("\n");
+    lines[5] = "1,+,40,1000000".to_owned();
+    let of = |text: &str| readings::of_text(text, "x.csv", &Request::default(), Vec::new()).unwrap();
+    let (sound, broken) = (of(&sound), of(&lines.join("\n")));
+    assert_eq!(broken.readings.len(), sound.readings.len() - 1);
+    let note = "x.csv: line 6: deviation_um: 1000.0000 mm from its target, left out.";
+    assert!(broken.notes.iter().any(|other| other == note), "{:?}", broken.notes);
+    let figures = |test: &Test| figures(&positions(test)).0;
+    assert_eq!(figures(&broken), figures(&sound));
 }
