@@ -3,7 +3,7 @@
 //! Dahl's model, [`friction_direction`]. Over the distance `slip` after a reversal, z covers 1 − 2/e of the way from one
 //! sign to the other. `LuGre` friction at low speed is the same with slip = Coulomb friction / σ0.
 
-use trace::prediction::friction_direction;
+use plant::friction_direction;
 
 /// z at each sample of a motion, −1 to 1. With a slip of zero it is the sign of the last motion, 0 before the first.
 #[must_use]

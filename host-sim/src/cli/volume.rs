@@ -23,11 +23,19 @@ enum Control {
 }
 
 impl Control {
-    /// The name of its file, and the text.
-    fn file(self, analysis: &Analysis) -> (String, String) {
+    /// The name of its file.
+    const fn file(self) -> &'static str {
         match self {
-            Self::Beckhoff => ("volume.csv".to_owned(), beckhoff::csv(analysis)),
-            Self::Linuxcnc => (format!("{}.comp", linuxcnc::NAME), linuxcnc::component(analysis)),
+            Self::Beckhoff => beckhoff::FILE,
+            Self::Linuxcnc => linuxcnc::FILE,
+        }
+    }
+
+    /// The text of its file.
+    fn text(self, analysis: &Analysis) -> String {
+        match self {
+            Self::Beckhoff => beckhoff::csv(analysis),
+            Self::Linuxcnc => linuxcnc::component(analysis),
         }
     }
 }
@@ -69,10 +77,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let inputs: Vec<&Path> =
         std::iter::once(&arguments.survey).chain(measured).map(PathBuf::as_path).collect();
     let page = pages::file_in(arguments.report.as_ref());
-    let table = arguments.out_dir.as_ref().map(|folder| match arguments.format {
-        Some(Control::Linuxcnc) => folder.join(format!("{}.comp", linuxcnc::NAME)),
-        _ => folder.join("volume.csv"),
-    });
+    let control = arguments.format.zip(arguments.out_dir.as_ref());
+    let table = control.map(|(format, folder)| folder.join(format.file()));
     let outputs = [
         Output::File("--out", arguments.out.as_ref()),
         Output::InNewFolder("--out-dir", table.as_ref()),
@@ -96,11 +102,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             write_whole(path, |out| out.write_all(csv.as_bytes()))?;
             output += &format!("\n\nTable: {}", path.display());
         }
-        if let (Some(format), Some(folder)) = (arguments.format, &arguments.out_dir) {
-            let (name, text) = format.file(&analysis);
+        if let (Some((format, folder)), Some(path)) = (control, &table) {
+            let text = format.text(&analysis);
             files::output::create_folder(folder)?;
-            let path = folder.join(name);
-            write_whole(&path, |out| out.write_all(text.as_bytes()))?;
+            write_whole(path, |out| out.write_all(text.as_bytes()))?;
             output += &format!("\n\nControl: {}", path.display());
         }
     }

@@ -10,7 +10,7 @@ use super::component::{Axis, Component, Range};
 use super::field::Geometry;
 use super::finding::{Finding, findings};
 use super::fit::Fit;
-use super::measurement::{Group, Row};
+use super::measurement::{Group, Row, fitted};
 use super::selection::{self, Item, Selected, Shown, shown};
 use super::survey::What;
 use super::vector::dot;
@@ -106,8 +106,7 @@ pub fn analyse(chain: [Axis; 3], groups: Vec<Group>) -> Result<Analysis, InputEr
         .collect();
     let ranges = Axis::ALL.map(|axis| range(axis, &groups));
     let groups = within(groups, &ranges, &mut notes)?;
-    let fitted = groups.iter().filter(|group| !group.is_held_out);
-    let rows: Vec<&[Row]> = fitted.map(|group| &group.rows[..]).collect();
+    let rows: Vec<&[Row]> = fitted(&groups).map(|group| &group.rows[..]).collect();
     let geometry = Geometry::new(chain, ranges, &rows);
     let Selected { fit, simpler } = selection::fitted(&geometry, &groups);
     notes.extend(simplified(&simpler));
@@ -155,9 +154,6 @@ fn undescribed(group: &Group, judged: &Judged) -> Option<String> {
 
 /// What was taken as zero, because the measurements do not determine it.
 fn simplified(components: &[Component]) -> Option<String> {
-    let mut components = components.to_vec();
-    components.sort();
-    components.dedup();
     let names: Vec<String> = components.iter().map(|component| component.name()).collect();
     (!names.is_empty()).then(|| {
         format!(
@@ -170,7 +166,7 @@ fn simplified(components: &[Component]) -> Option<String> {
 
 /// The positions of an axis in the measurements that are fitted.
 fn range(axis: Axis, groups: &[Group]) -> Range {
-    let fitted = || groups.iter().filter(|group| !group.is_held_out);
+    let fitted = || fitted(groups);
     let all = || fitted().flat_map(|group| &group.rows).map(|row| row.at_mm[axis as usize]);
     let [low_mm, high_mm] = [numerics::min(all()), numerics::max(all())];
     let tests = || fitted().filter(|group| group.what == What::Positioning(axis));

@@ -8,6 +8,9 @@ use super::analysis::Analysis;
 use super::component::{Axis, carried};
 use super::field::turned_um;
 
+/// Name of the file.
+pub const FILE: &str = "volume.csv";
+
 /// The file.
 #[must_use]
 pub fn csv(analysis: &Analysis) -> String {

@@ -97,6 +97,12 @@ impl Component {
         self.kind == Kind::Along(self.moved)
     }
 
+    /// Whether it is a tilt or a roll.
+    #[must_use]
+    pub const fn is_rotation(self) -> bool {
+        matches!(self.kind, Kind::About(_))
+    }
+
     /// Whether its slope is an error of squareness. The directions of x and of the plane xy are the reference: the slopes of the other
     /// straightness errors turn the whole machine, which is no error.
     #[must_use]

@@ -6,7 +6,7 @@ use super::component::{Component, Kind};
 use super::field::Geometry;
 use super::fit::Fit;
 use super::measurement::Group;
-use super::selection::{self, HALF_95, Item, Shown, of_item, shown};
+use super::selection::{self, Item, Shown, of_item, shown};
 
 /// Positions of each axis at which the size of an error is looked for.
 const POSITIONS: usize = 81;
@@ -106,25 +106,13 @@ fn greatest(geometry: &Geometry, fit: &Fit, item: Item, simpler: &[Component]) -
     let span_mm = high_mm - low_mm;
     if item.is_squareness {
         // From −1 to 1 over the span: twice the value in its length.
-        let per_m = 2.0 * 1e3 / span_mm;
-        let deviation = fit.covariance[(own[0], own[0])].max(0.0).sqrt();
-        return Known::Shown {
-            greatest: per_m * fit.values[own[0]],
-            half_width: per_m * HALF_95 * deviation,
-            if_zero,
-        };
+        let (greatest, half_width) = fit.sum(&own, &[2.0 * 1e3 / span_mm]);
+        return Known::Shown { greatest, half_width, if_zero };
     }
     let at = |step: usize| {
         let mm = low_mm + span_mm * step as f64 / (POSITIONS - 1) as f64;
         let courses: Vec<f64> = own.iter().map(|term| geometry.value(fit.terms[*term], mm)).collect();
-        let value: f64 = courses.iter().zip(&own).map(|(course, term)| course * fit.values[*term]).sum();
-        let mut variance = 0.0;
-        for (a, first) in own.iter().enumerate() {
-            for (b, second) in own.iter().enumerate() {
-                variance += courses[a] * courses[b] * fit.covariance[(*first, *second)];
-            }
-        }
-        (value, HALF_95 * variance.max(0.0).sqrt())
+        fit.sum(&own, &courses)
     };
     let furthest = (0..POSITIONS).map(at).max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
     let (greatest, half_width) = furthest.unwrap_or((0.0, 0.0));
@@ -141,11 +129,6 @@ fn if_zero(item: Item, simpler: &[Component]) -> Vec<String> {
         }
         _ => **component == item.component,
     };
-    let mut names: Vec<String> = simpler
-        .iter()
-        .filter(of_item)
-        .map(|component| format!("the finer course of {}", component.name()))
-        .collect();
-    names.dedup();
-    names
+    let own = simpler.iter().filter(of_item);
+    own.map(|component| format!("the finer course of {}", component.name())).collect()
 }

@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::field::{Geometry, Term};
-use super::measurement::{Group, Row};
+use super::measurement::{Group, Row, fitted};
 use super::vector::dot;
 
 /// Standard error from which on a term counts as not determined, µm where it moves the tool most at any reading.
@@ -24,7 +24,10 @@ const FINEST_UM: f64 = 0.02;
 /// Rounds in which the noise of each measurement is estimated.
 const ROUNDS: usize = 4;
 
-/// Smallest ratio of singular values that is no rounding error.
+/// Half of a 95 % interval, in standard deviations.
+const HALF_95: f64 = 1.96;
+
+/// Smallest ratio of eigenvalues that is no rounding error.
 const ROUNDING: f64 = 1e-9;
 
 /// The fitted terms.
@@ -38,8 +41,6 @@ pub struct Fit {
     pub covariance: DMatrix<f64>,
     /// Whether the data determine each.
     pub is_determined: Vec<bool>,
-    /// What is left of each measurement, µm rms, with the values of all terms.
-    pub left_um: Vec<f64>,
 }
 
 /// The equations of all measurements of a fit.
@@ -56,7 +57,7 @@ impl Fit {
     /// Fits terms to measurements, those that are held out excluded.
     #[must_use]
     pub fn of(geometry: &Geometry, terms: Vec<Term>, groups: &[Group]) -> Self {
-        let fitted: Vec<&Group> = groups.iter().filter(|group| !group.is_held_out).collect();
+        let fitted: Vec<&Group> = fitted(groups).collect();
         let equations = Equations::of(geometry, &terms, &fitted);
         let floor = |group: &&Group| group.scatter_um.max(FINEST_UM);
         let mut noise_um: Vec<f64> = fitted.iter().map(|group| floor(group).max(1.0)).collect();
@@ -68,8 +69,6 @@ impl Fit {
             }
             solved = equations.solved(&noise_um);
         }
-        let left_um =
-            (0..fitted.len()).map(|index| numerics::rms(equations.of_group(&solved.left_um, index)));
         let count = terms.len();
         let values = (0..count).map(|term| solved.unknowns[term] / equations.scales[term]).collect();
         let covariance = DMatrix::from_fn(count, count, |a, b| {
@@ -79,7 +78,20 @@ impl Fit {
             solved.resolution[term] >= MIN_RESOLUTION && solved.covariance[(term, term)] <= OPEN_UM * OPEN_UM
         };
         let is_determined = (0..count).map(is_determined).collect();
-        Self { terms, values, covariance, is_determined, left_um: left_um.collect() }
+        Self { terms, values, covariance, is_determined }
+    }
+
+    /// The sum of terms, by their indices, each times its factor, and half of its 95 % interval.
+    #[must_use]
+    pub fn sum(&self, terms: &[usize], factors: &[f64]) -> (f64, f64) {
+        let value = factors.iter().zip(terms).map(|(factor, term)| factor * self.values[*term]).sum();
+        let mut variance = 0.0;
+        for (one, first) in factors.iter().zip(terms) {
+            for (other, second) in factors.iter().zip(terms) {
+                variance += one * other * self.covariance[(*first, *second)];
+            }
+        }
+        (value, HALF_95 * variance.max(0.0).sqrt())
     }
 }
 

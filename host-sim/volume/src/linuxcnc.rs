@@ -4,8 +4,8 @@ use super::analysis::Analysis;
 use super::axis_table::AxisTable;
 use super::component::Axis;
 
-/// Name of the component.
-pub const NAME: &str = "volumekins";
+/// Name of the file.
+pub const FILE: &str = "volumekins.comp";
 
 /// Lines between which the file is plain C without LinuxCNC.
 pub const PLAIN: [&str; 2] = ["/* plain C from here */", "/* plain C to here */"];

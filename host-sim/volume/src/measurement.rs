@@ -8,7 +8,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use circle::measured::Measured;
 use circle::samples::Observed;
 use files::error::InputError;
-use positions::measured::{Test, Way};
+use positions::iso::{Position, positions};
+use positions::measured::Test;
 
 use super::component::Axis;
 use super::survey::{Measurement, What};
@@ -60,35 +61,30 @@ pub struct Group {
     pub notes: Vec<String>,
 }
 
+/// The measurements that are fitted: those that are not held out.
+pub fn fitted(groups: &[Group]) -> impl Iterator<Item = &Group> {
+    groups.iter().filter(|group| !group.is_held_out)
+}
+
 impl Group {
     /// The rows of a positioning test. The origin of its readings is unknown.
     ///
     /// # Errors
     /// Fewer than three targets.
     pub fn of_test(test: &Test, axis: Axis, place: &Measurement) -> Result<Self, InputError> {
-        let targets_mm = test.targets_mm();
-        let nearest = |mm: f64| {
-            (0..targets_mm.len())
-                .min_by(|a, b| (targets_mm[*a] - mm).abs().total_cmp(&(targets_mm[*b] - mm).abs()))
-        };
-        let mut at_target: Vec<[Vec<f64>; 2]> = vec![[Vec::new(), Vec::new()]; targets_mm.len()];
-        for reading in &test.readings {
-            let Some(index) = nearest(reading.target_mm) else { continue };
-            at_target[index][usize::from(reading.way == Way::Negative)].push(reading.deviation_um);
-        }
-        let has_both = |ways: &[Vec<f64>; 2]| ways.iter().all(|way| !way.is_empty());
-        let is_one_way = !at_target.iter().any(has_both);
+        let positions = positions(test);
+        let is_one_way = positions.iter().all(|position| position.mean_um().is_none());
         let (mut rows, mut notes) = (Vec::new(), test.notes.clone());
-        for (target_mm, ways) in targets_mm.iter().zip(&at_target) {
-            if !is_one_way && !has_both(ways) {
-                notes.push(format!("Target {target_mm} mm was approached from one side only: left out."));
+        for position in &positions {
+            let of_one_way = || position.ways.into_iter().flatten().next().filter(|_| is_one_way);
+            let Some(value_um) = position.mean_um().or_else(|| Some(of_one_way()?.mean_um)) else {
+                let mm = position.target_mm;
+                notes.push(format!("Target {mm} mm was approached from one side only: left out."));
                 continue;
-            }
-            let means =
-                ways.iter().filter(|way| !way.is_empty()).map(|way| numerics::mean(way.iter().copied()));
+            };
             let mut at_mm = place.at_mm;
-            at_mm[axis as usize] = *target_mm;
-            rows.push(Row { at_mm, direction: unit(axis), value_um: numerics::mean(means) });
+            at_mm[axis as usize] = position.target_mm;
+            rows.push(Row { at_mm, direction: unit(axis), value_um });
         }
         if rows.len() < MIN_TARGETS {
             let expected = "three targets or more that were approached from both sides, or all from one";
@@ -97,7 +93,7 @@ impl Group {
         if is_one_way {
             notes.push("Approached from one side only: its reversal is in the origin.".to_owned());
         }
-        let scatter_um = scatter_um(&at_target, &rows);
+        let scatter_um = scatter_um(&positions, &rows);
         let unknowns = vec![vec![1.0; rows.len()]];
         let is_held_out = place.is_held_out;
         Ok(Self {
@@ -191,13 +187,13 @@ fn of_sector(
 }
 
 /// Standard deviation of the mean at a target, from run to run; with one run, from the second differences over the targets.
-fn scatter_um(at_target: &[[Vec<f64>; 2]], rows: &[Row]) -> f64 {
+fn scatter_um(positions: &[Position], rows: &[Row]) -> f64 {
     let (mut squares, mut freedoms, mut readings) = (0.0, 0.0, 0.0);
-    for way in at_target.iter().flatten().filter(|way| !way.is_empty()) {
-        let mean_um = numerics::mean(way.iter().copied());
-        squares += way.iter().map(|um| (um - mean_um).powi(2)).sum::<f64>();
-        freedoms += way.len() as f64 - 1.0;
-        readings += way.len() as f64;
+    for way in positions.iter().flat_map(|position| position.ways).flatten() {
+        let freedom = way.count as f64 - 1.0;
+        squares += freedom * way.deviation_um.unwrap_or(0.0).powi(2);
+        freedoms += freedom;
+        readings += way.count as f64;
     }
     if freedoms > 0.0 {
         return (squares / freedoms / (readings / rows.len() as f64)).sqrt();
@@ -210,7 +206,7 @@ fn scatter_um(at_target: &[[Vec<f64>; 2]], rows: &[Row]) -> f64 {
 /// interleaved.
 fn by_second_differences(values_um: &[f64], channels: usize) -> f64 {
     let ends = 2 * channels;
-    let second = |five: &[f64]| (five[0] - 2.0 * five[channels] + five[ends]).powi(2);
+    let second = |part: &[f64]| (part[0] - 2.0 * part[channels] + part[ends]).powi(2);
     let squares: Vec<f64> = values_um.windows(ends + 1).map(second).collect();
     (numerics::median(&squares).unwrap_or(0.0) / (6.0 * MEDIAN_OF_SQUARE)).sqrt()
 }
@@ -250,9 +246,8 @@ fn sectors(measured: &Measured) -> Vec<(f64, Vec<f64>)> {
         Observed::Both(both) => both.iter().collect(),
         Observed::Radial(radius) => vec![radius],
     };
-    let count = SECTORS;
     let middle = |sector: usize| (sector as f64 + 0.5) * SECTOR_RAD;
-    let mut sectors = vec![[Sector::default(), Sector::default()]; count];
+    let mut sectors = vec![[Sector::default(), Sector::default()]; SECTORS];
     for (index, instant) in samples.instants.iter().enumerate() {
         let angle = instant.angle.rem_euclid(TAU);
         let sector = sector_of(angle);

@@ -6,14 +6,11 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::component::{Axis, Component, Course, Kind};
 use super::field::{Geometry, Term};
 use super::fit::Fit;
-use super::measurement::{Group, Row};
+use super::measurement::{self, Group, Row};
 use super::vector::dot;
 
 /// Probability of chance below which a component is shown: 3.5 standard deviations.
 const CHANCE: f64 = 4.7e-4;
-
-/// Half of a 95 % interval, in standard deviations.
-pub const HALF_95: f64 = 1.96;
 
 /// Smallest part of what a term does somewhere in the volume that a reading must show.
 const LEAST_SEEN: f64 = 0.03;
@@ -80,7 +77,7 @@ pub fn shown(fit: &Fit, item: Item) -> Shown {
 pub struct Selected {
     /// The fit of what is kept.
     pub fit: Fit,
-    /// Components whose course of the highest degree was left out because the readings do not determine it.
+    /// Components of which a course of the highest degree was left out because the readings do not determine it, each once.
     pub simpler: Vec<Component>,
 }
 
@@ -91,17 +88,16 @@ pub struct Selected {
 /// difference is fitted, and told of neither.
 #[must_use]
 pub fn fitted(geometry: &Geometry, groups: &[Group]) -> Selected {
-    let rows: Vec<Row> =
-        groups.iter().filter(|group| !group.is_held_out).flat_map(|group| group.rows.clone()).collect();
+    let rows: Vec<Row> = measurement::fitted(groups).flat_map(|group| &group.rows).copied().collect();
     let mut seen = geometry.terms();
     seen.retain(|term| is_seen(geometry, *term, &rows));
     let mut fit = Fit::of(geometry, seen, groups);
     let mut simpler = Vec::new();
-    let is_rotation = |term: Term| matches!(term.component.kind, Kind::About(_));
     let stages = [(false, 3), (true, 3), (true, 2)];
     for (is_of_rotations, degree) in stages {
-        let is_highest =
-            |term: Term| is_rotation(term) == is_of_rotations && term.course == Course::Legendre(degree);
+        let is_highest = |term: Term| {
+            term.component.is_rotation() == is_of_rotations && term.course == Course::Legendre(degree)
+        };
         let planes = open_planes(&fit);
         let is_open = |index: &usize| {
             let term = fit.terms[*index];
@@ -125,6 +121,8 @@ pub fn fitted(geometry: &Geometry, groups: &[Group]) -> Selected {
         };
         fit = Fit::of(geometry, (0..fit.terms.len()).filter_map(of).collect(), groups);
     }
+    simpler.sort();
+    simpler.dedup();
     Selected { fit, simpler }
 }
 
@@ -162,8 +160,7 @@ fn is_straightness_in(term: Term, [first, second]: [Axis; 2]) -> bool {
 
 /// Whether a term is the straightness of one axis of a plane in the other, or a rotation of one of them.
 fn is_in(term: Term, plane: [Axis; 2]) -> bool {
-    let is_rotation = matches!(term.component.kind, Kind::About(_));
-    is_straightness_in(term, plane) || is_rotation && plane.contains(&term.component.moved)
+    is_straightness_in(term, plane) || term.component.is_rotation() && plane.contains(&term.component.moved)
 }
 
 /// Probability of such values by chance, if the item were zero.
@@ -179,20 +176,14 @@ fn chance(fit: &Fit, terms: &[usize]) -> f64 {
 #[must_use]
 pub fn bound(fit: &Fit, geometry: &Geometry, groups: &[Group], item: Item) -> f64 {
     let own = of_item(&fit.terms, item);
-    let rows = groups.iter().filter(|group| !group.is_held_out).flat_map(|group| &group.rows);
+    let rows = measurement::fitted(groups).flat_map(|group| &group.rows);
     numerics::max(rows.map(|row| {
         let effects: Vec<[f64; 3]> =
             own.iter().map(|term| geometry.effect_um(fit.terms[*term], row.at_mm)).collect();
         let along = |axis: usize| {
             let part: Vec<f64> = effects.iter().map(|effect| effect[axis]).collect();
-            let value: f64 = part.iter().zip(&own).map(|(part, term)| part * fit.values[*term]).sum();
-            let mut variance = 0.0;
-            for (a, first) in own.iter().enumerate() {
-                for (b, second) in own.iter().enumerate() {
-                    variance += part[a] * part[b] * fit.covariance[(*first, *second)];
-                }
-            }
-            value.abs() + HALF_95 * variance.max(0.0).sqrt()
+            let (value, half_width) = fit.sum(&own, &part);
+            value.abs() + half_width
         };
         numerics::max([0, 1, 2].map(along))
     }))

@@ -1,7 +1,7 @@
 //! Wind-up of an axis without declared masses, computed from the measured force.
 
-use super::friction_direction;
 use crate::input::signals::AxisSignals;
+use plant::friction_direction;
 use plant::parameters::AxisParameters;
 
 /// Adds the stretch of the drive train (µm) to the residual table − motor.

@@ -2,7 +2,7 @@
 //!
 //! [`driven`] predicts table and force from the measured motor, [`closed_loop`] the motor from the command, and [`tool`]
 //! the tool point from the measured tables. [`velocity_drive`] predicts a motor whose velocity is commanded.
-//! [`force_windup`] replaces the mechanics if no masses are declared. [`friction_direction`] is that of a friction that yields.
+//! [`force_windup`] replaces the mechanics if no masses are declared. [`plant::friction_direction`] is that of a friction that yields.
 
 pub mod closed_loop;
 pub mod controller_readings;
@@ -16,5 +16,3 @@ pub mod table_motion;
 pub mod table_variable;
 pub mod tool;
 pub mod velocity_drive;
-
-pub use plant::friction_direction;

@@ -35,6 +35,35 @@ pub fn at_mm(status: &str, axis: &str) -> f64 {
     line.split_whitespace().nth(1).unwrap().parse().unwrap()
 }
 
+/// The status of a board whose axes stand, with the drives on: they stay where they are.
+fn standing(board: &EmulatedBoard) -> String {
+    let status = board.succeeds("board status --port bench");
+    assert!(status.contains("path: at rest") && status.contains("drives: on"), "{status}");
+    sleep(Duration::from_millis(500));
+    let later = board.succeeds("board status --port bench");
+    for axis in ["x ", "y "] {
+        assert!((at_mm(&later, axis) - at_mm(&status, axis)).abs() < 1e-9, "{status} {later}");
+    }
+    status
+}
+
+/// Interrupts a command that moves axes after 2 s: it says that they stand and ends with 130.
+fn interrupted(board: &EmulatedBoard, command: &str) {
+    let moving = board.start(command);
+    sleep(Duration::from_secs(2));
+    interrupt(&moving);
+    let output = moving.wait_with_output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{command}: {message}");
+    let stands = "the axes stand, and the rest of the path is discarded";
+    assert!(message.contains(stands), "{command}: {message}");
+}
+
+/// The command that records a motion.
+fn record(motion: &str) -> String {
+    format!("record --port bench --motion {motion} --out travel.csv --yes")
+}
+
 /// Ctrl-C stops each command that moves an axis, which says that the axes stand and ends with 130. Nothing moves afterwards, the drives
 /// are on, and the path does not go on: the axis has not reached its target.
 #[test]
@@ -44,23 +73,10 @@ fn an_interrupt_of_a_motion_leaves_standing_axes() {
         for command in before {
             board.succeeds(command);
         }
-        let moving = board.start(motion);
-        sleep(Duration::from_secs(2));
-        interrupt(&moving);
-        let output = moving.wait_with_output().unwrap();
-        let message = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(130), "{motion}: {message}");
-        assert!(
-            message.contains("the axes stand, and the rest of the path is discarded"),
-            "{motion}: {message}"
-        );
-        let status = board.succeeds("board status --port bench");
-        assert!(status.contains("path: at rest") && status.contains("drives: on"), "{motion}: {status}");
+        interrupted(&board, motion);
+        let status = standing(&board);
         let [x_mm, y_mm] = ["x ", "y "].map(|axis| at_mm(&status, axis));
         assert!(x_mm.abs() < 55.0 && y_mm.abs() < 105.0, "{motion}: {status}");
-        sleep(Duration::from_millis(500));
-        let later = board.succeeds("board status --port bench");
-        assert!((at_mm(&later, "x ") - x_mm).abs() < 1e-9, "{motion}: {status} {later}");
     }
 }
 
@@ -69,23 +85,11 @@ fn an_interrupt_of_a_motion_leaves_standing_axes() {
 fn an_interrupt_of_a_recording_leaves_standing_axes_and_no_log() {
     let Some(board) = EmulatedBoard::armed() else { return };
     let motion = board.at_start_of_travel();
-    let recording = board.start(&format!("record --port bench --motion {motion} --out travel.csv --yes"));
     // Of 7 s of motion.
-    sleep(Duration::from_secs(2));
-    interrupt(&recording);
-    let output = recording.wait_with_output().unwrap();
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(130), "{message}");
-    assert!(message.contains("the axes stand, and the rest of the path is discarded"), "{message}");
+    interrupted(&board, &record(&motion));
     let left: Vec<_> = fs::read_dir(board.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert!(left.iter().all(|name| !name.to_string_lossy().contains("travel")), "{left:?}");
-    let status = board.succeeds("board status --port bench");
-    assert!(status.contains("path: at rest") && status.contains("drives: on"), "{status}");
-    sleep(Duration::from_millis(500));
-    let later = board.succeeds("board status --port bench");
-    for axis in ["x ", "y "] {
-        assert!((at_mm(&later, axis) - at_mm(&status, axis)).abs() < 1e-9, "{status} {later}");
-    }
+    standing(&board);
 }
 
 /// Ctrl-C on the way to the start of a recording: the axes stand before they have reached it.
@@ -97,23 +101,11 @@ fn an_interrupt_on_the_way_to_the_start_of_a_recording_leaves_standing_axes() {
     }
     let motion = EmulatedBoard::file("host-sim/motions/bench_travel.toml").display().to_string();
     let before = board.succeeds("board status --port bench");
-    let recording = board.start(&format!("record --port bench --motion {motion} --out travel.csv --yes"));
     // Some 130 mm at 20 mm/s.
-    sleep(Duration::from_secs(2));
-    interrupt(&recording);
-    let output = recording.wait_with_output().unwrap();
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(130), "{message}");
-    assert!(message.contains("the axes stand, and the rest of the path is discarded"), "{message}");
-    let status = board.succeeds("board status --port bench");
-    assert!(status.contains("path: at rest") && status.contains("drives: on"), "{status}");
+    interrupted(&board, &record(&motion));
+    let status = standing(&board);
     let way_mm = ["x ", "y "].map(|axis| (at_mm(&status, axis) - at_mm(&before, axis)).abs());
     assert!(way_mm.iter().any(|mm| *mm > 5.0) && way_mm.iter().all(|mm| *mm < 60.0), "{status}");
-    sleep(Duration::from_millis(500));
-    let later = board.succeeds("board status --port bench");
-    for axis in ["x ", "y "] {
-        assert!((at_mm(&later, axis) - at_mm(&status, axis)).abs() < 1e-9, "{status} {later}");
-    }
 }
 
 /// Ctrl-C ends a direction check that waits for the switch: closing the switch afterwards pushes nothing.
