@@ -1,12 +1,12 @@
 //! A servo board at the end of a byte stream: the host's side of [`shared::link`].
 //!
 //! - [`port`]: an open serial port or socket
-//! - [`port_lock`]: one program at a port
-//! - [`mod@share`], [`broker`]: others ask it for what needs no session
+//! - [`port_lock`]: the lock that lets only one program use a port
+//! - [`mod@share`], [`broker`]: forwarding of requests that need no session, for other programs
 //! - [`mod@open`]: ports by their names
-//! - [`mod@bench`]: the emulated servo board, which lives on between commands, and the switches of its machine
-//! - [`client`]: requests with their replies, repeated where they are lost
-//! - [`observer`]: those that need no session, also while another program holds the port
+//! - [`mod@bench`]: the emulated servo board, which keeps running between commands, and the switches of its machine
+//! - [`client`]: requests with their replies, repeated if they are lost
+//! - [`observer`]: requests that need no session, also while another program holds the port
 //! - [`transfer`]: uploads and recordings in parts
 //! - [`motion`]: motions, and waiting for their end
 //! - [`samples`]: samples of a stream or a recording in SI

@@ -1,19 +1,19 @@
-//! The error budget: by how much each cause makes a motion wrong at the tool, in µm.
+//! The error budget: how much each cause contributes to the error of a motion at the tool, in µm.
 //!
-//! The closed loop of a model is simulated with all causes, with each alone, and with each taken out. From these, each cause gets its
+//! The closed loop of a model is simulated with all causes, with each alone, and with each removed. From these, each cause gets its
 //! share of the mean square of the contour error; the shares add up to the whole.
 //!
 //! - [`cause`]: the causes of a machine, and the machine with some of them
 //! - [`sizes`]: the figures of a contour error
 //! - [`radial`]: the radial deviation over the angle, for a picture
-//! - [`share`]: the rule by which causes that act together are told apart
-//! - [`simulation`]: the contour errors with each cause alone, and taken out
+//! - [`share`]: the rule that assigns shares to causes that act together
+//! - [`simulation`]: the contour errors with each cause alone, and without it
 //! - [`of_motion`]: the budget of a motion
-//! - [`motions`]: motions where none are given
-//! - [`interval`]: what the uncertainty of a cause's values makes of its share
+//! - [`motions`]: the standard motions, used if none are given
+//! - [`interval`]: the uncertainty of a share, from that of the values of its cause
 //! - [`remedy`]: what to do about a cause
 //! - [`limits`]: whether figures at the tool are within limits
-//! - [`traced`]: the budget of what a trace has found
+//! - [`traced`]: the budget of the model found by a trace
 //! - [`json`], [`text`]: the result for a file, and for a terminal
 
 pub mod cause;
@@ -36,21 +36,21 @@ use plant::equivalent::{self, Assumed};
 
 pub use of_motion::{CauseShare, MotionBudget};
 
-/// The budget of each motion, with what its simulation assumes.
+/// The budget of each motion, with the assumptions of its simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Budget {
     /// Name of the machine.
     pub machine: String,
     /// The motions, in the order in which they were given.
     pub motions: Vec<MotionBudget>,
-    /// What is assumed of axes whose loops or masses are not known.
+    /// Assumptions about axes whose loops or masses are not known.
     pub assumed: Vec<Assumed>,
     /// What is not in the budget, one sentence each.
     pub notes: Vec<String>,
 }
 
 impl Budget {
-    /// The share of an effect of an axis on the motion on which it costs most, with that motion; `None` if the budget has no such effect, or
+    /// The share of an effect of an axis on the motion on which it is greatest, with that motion; `None` if the budget has no such effect, or
     /// several.
     #[must_use]
     pub fn of_effect(&self, axis: &str, name: &str) -> Option<(&MotionBudget, &CauseShare)> {

@@ -1,8 +1,8 @@
-//! What a circle alone shows, without a machine file: the figures of ISO 230-4, and the parts of which the radial deviation is made, in
+//! Evaluation of a single circle without a machine file: the figures of ISO 230-4, and the parts of the radial deviation, in
 //! µm and ranked, with their intervals and what they may be confused with.
 //!
 //! - [`measured`], [`of_files`], [`of_log`], [`radius_table`]: a circle from a log, or from the radius of a ballbar
-//! - [`samples`]: what was measured, sample by sample
+//! - [`samples`]: the measurement, sample by sample
 //! - [`iso`]: the figures of ISO 230-4
 //! - [`term`]: the terms of the deviation, with their equations
 //! - [`fit`], [`covariance`]: least squares, and intervals under correlated noise
@@ -47,16 +47,16 @@ const MIN_TANGENTIAL: f64 = 0.2;
 /// Sine of the smallest angle from the axes, 25°, at which both are compared.
 const MIN_FROM_AXES: f64 = 0.42;
 
-/// What a circle is made of.
+/// The figures and parts of a circle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Analysis {
-    /// What was measured.
+    /// The measured circle.
     pub measured: Measured,
     /// The figures of ISO 230-4.
     pub figures: Figures,
     /// The parts, largest first.
     pub parts: Vec<Part>,
-    /// What remains, rms, µm: of each axis, or of the radius.
+    /// The remaining residual, rms, µm: of each axis, or of the radius.
     pub residual_um: f64,
     /// Radius, speed and directions, for pictures.
     pub frame: Frame,

@@ -1,8 +1,8 @@
-//! Contour error: the distance of the tool from the programmed path, and what circles and corners show of it.
+//! Contour error: the distance of the tool from the programmed path, with the figures of circles and corners.
 //!
 //! - [`path`]: the nominal path, from a motion's blocks or from a log's command
 //! - [`evaluation`]: the error of each sample, and its figures: maximum, rms, per block, circles, corners
-//! - [`across`]: what a displacement of the tool and the noise of its reading add
+//! - [`across`]: the contributions of a displacement of the tool and of the noise of its reading
 //! - [`logged`], [`long_log`], [`log_error`]: the same for a log, for a long one section by section, and for several with their names
 //! - [`circle`], [`circular_test`]: radial deviation F, circular deviation G and hysteresis H (ISO 230-4)
 //! - [`sectors`]: means over sectors of a turn

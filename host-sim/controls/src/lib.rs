@@ -1,12 +1,12 @@
 //! Compensation files of other controls, from the compensation of a model.
 //!
 //! - [`control`]: the controls, and a file for one
-//! - [`errors`]: what an axis does beside its command, as a table over the position and a backlash
+//! - [`errors`]: the deviation of an axis from its command, as a table over the position and a backlash
 //! - [`linuxcnc`], [`siemens`], [`heidenhain`], [`fanuc`], [`beckhoff`]: tables of these controls
 //! - [`linuxcnc_force`]: friction and masses for LinuxCNC
 //! - [`backlash_only`]: grblHAL and Marlin, which have no tables
 //! - [`table`]: the errors as CSV
-//! - [`left_out`]: what none of them takes, and what to do instead
+//! - [`left_out`]: compensations that none of them supports, and what to do instead
 //!
 //! An error is that of the table or tool: actual − commanded position. Positions are those of the logs; a control counts from its own
 //! machine zero, so both must be the same. None of this needs masses or gains. The sources of the formats are named in `docs/controls.md`.

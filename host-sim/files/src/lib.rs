@@ -2,13 +2,13 @@
 //!
 //! - [`document`]: TOML; errors contain key and line
 //! - [`table`]: CSV tables of numbers; errors contain line and column
-//! - [`head`]: the first line of an input, before it is decided what reads it
+//! - [`head`]: the first line of an input, from which the reader is selected
 //! - [`segments`]: the text of a file in segments of whole lines
 //! - [`log`]: recordings of axes, stored as CSV tables
 //! - [`mod@format`]: printed numbers
 //! - [`axis_name`]: permitted names of axes
 //! - [`error`]: errors of input files, in one line
-//! - [`leftovers`]: temporary files that a killed run left
+//! - [`leftovers`]: temporary files left by a killed run
 //! - [`output`]: files that are written completely or not at all
 
 pub mod axis_name;

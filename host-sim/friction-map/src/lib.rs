@@ -1,7 +1,7 @@
 //! Steady-state friction maps: mean torque or force over mean speed, one row per run at constant speed.
 //!
-//! The declared law is Coulomb and viscous friction, equal in both directions. The search adds one [`term::Term`] after the
-//! other as long as runs that were left out of the fit support it.
+//! The declared law is Coulomb and viscous friction, equal in both directions. The search adds one [`term::Term`] at a time,
+//! as long as runs that were left out of the fit support it.
 //!
 //! | module | contents |
 //! |---|---|

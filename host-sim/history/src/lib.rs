@@ -1,9 +1,9 @@
-//! A machine over months: its traces, each parameter over time with its interval, what changed since when, what that costs at the tool,
-//! and when a limit will be reached.
+//! The history of one machine over months: its traces, each parameter over time with its interval, what changed and when, what that costs
+//! at the tool, and when a limit will be reached.
 //!
 //! [`folder`] reads the traces, each a [`record`] from its JSON ([`trace_json`]) or its model ([`model_file`]). A [`series`] has the figures of one name; [`monitor`] watches it by a
-//! [`control_chart`] of [`scores`], which need neither mean nor scatter beforehand, and [`change`] dates and sizes what was
-//! announced. [`forecast`] extends the trend to a limit, [`appearance`] tells which effects came or went. [`text`],
+//! [`control_chart`] of [`scores`], which require no known mean or scatter, and [`change`] determines date and size of an
+//! announced change. [`forecast`] extends the trend to a limit, [`appearance`] determines which effects appeared or disappeared. [`text`],
 //! [`page`], [`json`] and [`table`] show the result.
 
 pub mod appearance;
@@ -35,7 +35,7 @@ use forecast::{Limit, Reached};
 use record::{Figure, Group, Name, Record};
 use series::{Conditions, Series};
 
-/// A temperature that varies less than this is no condition to reckon with, K.
+/// A temperature that varies less than this is not taken into account, K.
 const LEAST_KELVIN: f64 = 0.2;
 
 /// The history of a machine.
@@ -47,13 +47,13 @@ pub struct History {
     pub days: Vec<f64>,
     /// All series, by group and name.
     pub series: Vec<Series>,
-    /// Effects that came or went.
+    /// Effects that appeared or disappeared.
     pub appearances: Vec<Appearance>,
-    /// Each limit that was asked for.
+    /// Each requested limit.
     pub limits: Vec<(Limit, Reached)>,
     /// Number of series that are watched together.
     pub watched: usize,
-    /// What was assumed and left out, a sentence each.
+    /// Assumptions and omissions, one sentence each.
     pub notes: Vec<String>,
 }
 
@@ -106,7 +106,7 @@ impl History {
     }
 }
 
-/// Temperatures of all traces less their mean, and what is to be said of them.
+/// Temperatures of all traces less their mean, and the note about them.
 fn temperatures(records: &[Record]) -> (Option<Vec<f64>>, Option<String>) {
     let known: Vec<f64> = records.iter().filter_map(|record| record.temperature_c).collect();
     if known.is_empty() {

@@ -1,19 +1,19 @@
-//! Logs that other programs wrote.
+//! Logs of other programs.
 //!
-//! A foreign file becomes a [`Log`] in four steps, each of which says what it assumed:
+//! A foreign file is converted to a [`Log`] in four steps, each of which reports its assumptions:
 //!
-//! - [`read`]: bytes to a [`table`] of columns, by the [`mod@format`] that is recognised or asked for: [`separated`] [`text`] of any
+//! - [`read`]: bytes to a [`table`] of columns, by the [`mod@format`] that is recognised or requested: [`separated`] [`text`] of any
 //!   [`dialect`], [`twincat`], [`matlab`], [`numpy`], [`parquet_table`], [`mcap_messages`]
 //! - [`columns`]: by the [`request`] of the user, which column is which channel, with the
 //!   [`conversion`] of its [`unit`](mod@unit); [`names`]: which column was meant
-//! - [`ballbar`]: or the columns of a table of radii, which is no log
+//! - [`ballbar`]: or the columns of a table of radii, which is not a log
 //! - [`groups`]: columns of several clocks as rows of one
-//! - [`clock`]: the times of a uniform clock; lost, repeated and late rows are counted and bridged; a velocity becomes its
+//! - [`clock`]: the times of a uniform clock; lost, repeated and late rows are counted and corrected; a velocity is replaced by its
 //!   [`integral`]
 //!
-//! [`any_log`] reads our own logs as well, as every command does that takes a log. [`save`] writes a log as CSV, Parquet or MCAP.
+//! [`any_log`] also reads this program's own logs; every command that takes a log uses it. [`save`] writes a log as CSV, Parquet or MCAP.
 //!
-//! Nothing is invented: a channel that is not mapped is not in the log, and a time that neither the file nor the user gives is asked for.
+//! No data are invented: a channel that is not mapped is not in the log, and a time that neither the file nor the user gives is an error.
 
 pub mod any_log;
 pub mod arrays;
@@ -50,7 +50,7 @@ use files::log::Log;
 
 use request::Request;
 
-/// A log, and what was assumed and changed on the way to it.
+/// A log, with the assumptions and changes made during its conversion.
 #[derive(Clone, Debug)]
 pub struct Imported {
     /// The log.
@@ -59,7 +59,7 @@ pub struct Imported {
     pub notes: Vec<String>,
 }
 
-/// What a foreign file is.
+/// The content of a foreign file.
 #[derive(Clone, Debug)]
 pub enum Foreign {
     /// A log.
@@ -71,7 +71,7 @@ pub enum Foreign {
 /// Reads a foreign log or table of radii from its bytes; `source` is its name for messages.
 ///
 /// # Errors
-/// If it has no table of numbers, or lacks a column or a time that was asked for.
+/// If it has no table of numbers, or lacks a requested column or time.
 pub fn foreign(bytes: &[u8], source: &str, request: &Request) -> Result<Foreign, InputError> {
     let mut notes = Vec::new();
     let mut table = read::table(bytes, request.preset, source, &mut notes)?;
@@ -87,7 +87,7 @@ pub fn foreign(bytes: &[u8], source: &str, request: &Request) -> Result<Foreign,
 /// Reads a foreign log from its bytes; `source` is its name for messages.
 ///
 /// # Errors
-/// As [`foreign`], and a table of radii, which is no log.
+/// As [`foreign`], and a table of radii, which is not a log.
 pub fn of_bytes(bytes: &[u8], source: &str, request: &Request) -> Result<Imported, InputError> {
     match foreign(bytes, source, request)? {
         Foreign::Log(imported) => Ok(imported),

@@ -2,7 +2,7 @@
 //! again, until nothing more is gained.
 //!
 //! - [`round`]: one round, and when its compensation is kept
-//! - [`retrace`]: what is traced in the logs of a compensated machine
+//! - [`retrace`]: the parts of the logs of a compensated machine that are traced
 //! - [`outcome`]: the rounds as sentences, table and JSON
 
 pub mod outcome;
@@ -39,7 +39,7 @@ pub enum ImproveError {
     Run(#[from] PredictionError),
 }
 
-/// What is improved, and on which motions.
+/// The machine to be improved, and the motions.
 #[derive(Clone, Copy)]
 pub struct Improving<'a> {
     /// The declared machine.
@@ -126,7 +126,7 @@ impl Improving<'_> {
         planning.plan()
     }
 
-    /// The logs of motions with a compensation; each run has other noise.
+    /// The logs of motions with a compensation; each run has different noise.
     fn run(
         &self,
         motions: &[TestMotion],

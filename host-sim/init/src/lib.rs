@@ -1,18 +1,18 @@
 //! A machine file from logs.
 //!
-//! Whoever has a log and does not know masses, stiffness or gains gets a first machine file: the values that the logs show, each with
-//! its interval as a tolerance, within which a trace moves it. What the user knows ([`known`]) stays as declared.
+//! For a user who has a log but does not know masses, stiffness or gains, this crate writes a first machine file: the values that the logs
+//! show, each with its interval as a tolerance, within which a trace may adjust it. Values known to the user ([`known`]) remain as declared.
 //!
 //! 1. [`rough`]: first values by linear regressions: [`mechanics`] from force, motor and table, the loops from command, motor and
 //!    force ([`control_loop`]) or without a force ([`velocity_loop`]).
-//! 2. [`form`]: traces from these values, for each form of the loops; the form that leaves least is kept.
-//! 3. [`initial`]: the values are fitted and get their tolerances. What the logs do not determine is left unknown ([`shown`]); an error that
-//!    repeats over the position is told if the lead is not known ([`period`]).
+//! 2. [`form`]: traces from these values, for each form of the loops; the form with the smallest residual is kept.
+//! 3. [`initial`]: the values are fitted and get their tolerances. What the logs do not determine remains unknown ([`shown`]); an error that
+//!    repeats over the position is reported if the lead is not known ([`period`]).
 //! 4. [`written`]: the file with a comment for each value.
 //!
 //! [`gains`] has the first values of a trace whose machine file lacks the gains of a velocity drive.
 //!
-//! What logs cannot show stays unknown: the lead of a screw, limits, and with one channel missing what only that shows.
+//! What logs cannot show remains unknown: the lead of a screw, limits, and everything that only a missing channel would show.
 
 pub mod control_loop;
 pub mod direction;

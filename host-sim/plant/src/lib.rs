@@ -4,7 +4,7 @@
 //!
 //! | | |
 //! |---|---|
-//! | [`controller`] | what the closed loop needs of a controller, and the controller in this process |
+//! | [`controller`] | the interface of a controller to the closed loop, and the controller in this process |
 //! | [`machine_path`] | the motion file as blocks in the axes of the machine |
 //! | [`simulate`] | the closed loop: the controller of a machine file, a run along a path, its log |
 //! | [`equivalent`] | machines of which masses or loops are not known, as machines that can be simulated |

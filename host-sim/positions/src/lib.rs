@@ -1,16 +1,16 @@
-//! Positioning tests: the figures of ISO 230-2, and what the deviations are made of.
+//! Positioning tests: the figures of ISO 230-2, and the parts of the deviations.
 //!
 //! A test is a table of readings of a laser at targets that were approached from both sides, run by run. The deviation is a sum of
-//! parts over position, direction and time; how many of them there are is chosen by leaving runs out.
+//! parts over position, direction and time; their number is chosen by leaving runs out.
 //!
-//! - [`rows`], [`columns`], [`readings`], `raw`, `plausible`: from a text to readings, with what was assumed
+//! - [`rows`], [`columns`], [`readings`], `raw`, `plausible`: from a text to readings, with the assumptions
 //! - [`rtl`]: the file of Renishaw's laser software
 //! - [`measured`]: the test
 //! - [`iso`]: the figures of ISO 230-2
 //! - [`course`], [`variant`], [`fit`]: the forms of the deviation, and their least squares
 //! - [`wave`], [`drift`], `evidence`, [`selection`]: the search for the form
 //! - [`effect`], [`source`], [`effects`], `drifts`: from coefficients to effects with intervals and rivals
-//! - [`analysis`]: all of it
+//! - [`analysis`]: the complete evaluation
 //! - [`json`], [`text`], [`machine_file`]: the result for a file, for a terminal, and as a machine file
 
 pub mod analysis;

@@ -1,4 +1,4 @@
-//! Tests the tracer on machines that are drawn at random and simulated by a second, independent simulator.
+//! Tests the tracer on machines that are generated at random and simulated by a second, independent simulator.
 //!
 //! [`plant`], [`machine`], [`servo`] and [`simulation`] are this simulator, in plain f64. They share no code with the crate `plant`,
 //! the effects of `model` and the controller in `shared`, none of which this crate depends on. The tracer is thus tested
@@ -6,7 +6,7 @@
 //!
 //! | step | module |
 //! |---|---|
-//! | draw a machine, its motions and its undeclared effects | [`kind`], [`draw`], [`motion`], [`truth`], [`effect`], [`effect_draw`], [`extra`], [`chain`], [`gap`] |
+//! | generate a machine, its motions and its undeclared effects | [`kind`], [`draw`], [`motion`], [`truth`], [`effect`], [`effect_draw`], [`extra`], [`chain`], [`gap`] |
 //! | simulate it | [`simulation`], [`machine`], [`plant`], [`servo`], [`sensors`], [`pickup`], [`scale`], [`recording`], [`fault`] |
 //! | one machine with its logs | [`case`] |
 //! | compare a trace with the true effects | [`score`], [`outside`], [`judgement`] |

@@ -4,17 +4,17 @@
 //!
 //! | step | takes | returns | does |
 //! |---|---|---|---|
-//! | [`mod@admit`] | [`Logs`] | [`Admitted`](admit::Admitted) | bridges lost rows, thins logs to the rate of the machine |
-//! | [`mod@repair`] | [`Admitted`](admit::Admitted) | [`Repaired`](repair::Repaired) | names and corrects faults of the data, refuses logs that cannot be traced, filters signals |
+//! | [`mod@admit`] | [`Logs`] | [`Admitted`](admit::Admitted) | interpolates lost rows, thins logs to the rate of the machine |
+//! | [`mod@repair`] | [`Admitted`](admit::Admitted) | [`Repaired`](repair::Repaired) | reports and corrects faults of the data, refuses logs that cannot be traced, filters signals |
 //! | [`mod@fit`] | [`AxisData`](fit::axis_data::AxisData) | [`Baseline`](fit::Baseline) | fits the declared values within their tolerance |
 //! | [`mod@search`] | [`Baseline`](fit::Baseline) | [`Hypotheses`](search::Hypotheses) | adds effects of the catalogue that the fit logs support |
-//! | [`mod@judge`] | [`Hypotheses`](search::Hypotheses) | [`Findings`](judge::Findings) | drops effects at a limit and effects that the validation logs refute, analyses what remains |
-//! | [`mod@result`] | [`Findings`](judge::Findings) | [`Identification`] | states what speaks against the effects, proposes motions that tell more |
+//! | [`mod@judge`] | [`Hypotheses`](search::Hypotheses) | [`Findings`](judge::Findings) | drops effects at a limit and effects that the validation logs refute, analyses the remaining residual |
+//! | [`mod@result`] | [`Findings`](judge::Findings) | [`Identification`] | states the evidence against the effects, proposes motions that distinguish rivals |
 //!
 //! `fit`, `search` and the first part of `judge` see one axis; all axes are traced at the same time.
 //!
-//! What several steps need stands beside them: signals ([`input`]), [`prediction`] of each stage by a model, from the measured signal
-//! upstream of the stage, [`data_faults`], [`analysis`] of residuals, the way by which effects leave a model ([`dropped`]),
+//! Modules used by several steps are beside them: signals ([`input`]), [`prediction`] of each stage by a model, from the measured signal
+//! upstream of the stage, [`data_faults`], [`analysis`] of residuals, the removal of effects from a model ([`dropped`]),
 //! thresholds ([`options`]).
 
 pub mod admit;

@@ -2,7 +2,7 @@
 //!
 //! | | |
 //! |---|---|
-//! | [`request`] | what the page asks for, with the bytes of the files |
+//! | [`request`] | the request of the page, with the bytes of the files |
 //! | [`log_file`] | a dropped file as a log, or what is missing to read it |
 //! | [`machine_file`] | a machine file from logs, as `lost-motion init` |
 //! | [`traced`] | a trace, as `lost-motion trace` |
@@ -10,7 +10,7 @@
 //! | [`compensation`] | a compensation as files of a control, as `lost-motion compensate --format` |
 //! | [`interface`] | the functions that the page calls |
 //!
-//! A request is answered by a function of its bytes alone: nothing is kept from one to the next, and nothing is sent anywhere. The page and
+//! A request is answered by a function of its bytes alone: no state is kept between requests, and no data are sent anywhere. The page and
 //! its scripts are in `page/`; `lost-motion app` joins them with this crate as WebAssembly in one file.
 
 pub mod circle_alone;
