@@ -5,6 +5,8 @@
 //! - [`retrace`]: what is traced in the logs of a compensated machine
 //! - [`outcome`]: the rounds as sentences, table and JSON
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod outcome;
 pub mod retrace;
 pub mod round;

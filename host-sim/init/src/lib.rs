@@ -14,6 +14,8 @@
 //!
 //! What logs cannot show stays unknown: the lead of a screw, limits, and with one channel missing what only that shows.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod control_loop;
 pub mod direction;
 pub mod form;

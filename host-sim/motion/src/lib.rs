@@ -6,6 +6,8 @@
 //! `read` converts the tables of the file (`tables`) to `block`s, with `pace` for feeds and ramps and `arc` for the ends
 //! of arcs. `bounds` contains the permitted ranges, `duration` how long a motion lasts. [`Lines`] are motions that a program makes.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod arc;
 mod block;
 mod bounds;
