@@ -1,5 +1,7 @@
 //! The program `lost-motion`.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod cli;
 
 use std::process::ExitCode;

@@ -12,6 +12,8 @@
 //! - [`samples`]: samples of a stream or a recording in SI
 //! - [`refusal`]: refusals in words
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod bench;
 mod broker;
 mod byte_stream;

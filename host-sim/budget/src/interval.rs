@@ -15,7 +15,7 @@ pub const OF_SIMULATION: f64 = 0.05;
 /// Relative half width of the 95 % interval of a cause's share; `None`: unknown.
 #[must_use]
 pub fn of(cause: &Cause, machine: &Machine) -> Option<f64> {
-    of_size(cause, machine).map(|relative| relative.hypot(OF_SIMULATION))
+    of_size(cause, machine).map(|relative| libm::hypot(relative, OF_SIMULATION))
 }
 
 fn of_size(cause: &Cause, machine: &Machine) -> Option<f64> {

@@ -16,6 +16,8 @@
 //! - [`traced`]: the budget of the model found by a trace
 //! - [`json`], [`text`]: the result for a file, and for a terminal
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod cause;
 pub mod interval;
 pub mod json;

@@ -125,7 +125,7 @@ impl MotionBudget {
             |cause: &CauseShare| cause.interval_um.map(|[from, to]| cause.share.rms * 0.5 * (to - from));
         let variation =
             self.causes.iter().filter_map(of_cause).map(|product| product.powi(2)).sum::<f64>().sqrt();
-        (variation / square).hypot(interval::OF_SIMULATION)
+        libm::hypot(variation / square, interval::OF_SIMULATION)
     }
 
     /// Rms of the sum of the shares, µm.

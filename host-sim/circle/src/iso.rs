@@ -117,14 +117,14 @@ fn range_um(points: &[(f64, f64)], circle: [f64; 3]) -> f64 {
 
 /// Radial deviation of a circle at an angle, µm.
 fn radius_um([c, a, b]: [f64; 3], angle: f64) -> f64 {
-    c + a * angle.cos() + b * angle.sin()
+    c + a * libm::cos(angle) + b * libm::sin(angle)
 }
 
 /// The circle through points of angle and radial deviation, by least squares.
 fn least_squares(points: &[(f64, f64)]) -> Option<[f64; 3]> {
     let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
     for (angle, um) in points {
-        let row = Vector3::new(1.0, angle.cos(), angle.sin());
+        let row = Vector3::new(1.0, libm::cos(*angle), libm::sin(*angle));
         normal += row * row.transpose();
         right += row * *um;
     }

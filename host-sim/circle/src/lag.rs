@@ -33,7 +33,8 @@ pub(crate) fn radius_and_lag(builder: &Builder<'_>) -> Vec<Part> {
         }
         return parts;
     };
-    let rest = Estimate { value: radius.value - shrinkage.value, error: radius.error.hypot(shrinkage.error) };
+    let rest =
+        Estimate { value: radius.value - shrinkage.value, error: libm::hypot(radius.error, shrinkage.error) };
     let mut parts = Vec::new();
     if let Some(mut lag) = part(builder, Name::FollowingLag, shrinkage) {
         lag.details.extend(delay_s(builder).map(|delay| delay.times(1e3).detail("delay_ms")));

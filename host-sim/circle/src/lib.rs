@@ -10,6 +10,8 @@
 //! - [`part`], `builder`, [`parts`], `lag`, `stick_slip`, `spike_profile`, [`rivals`]: from coefficients to parts
 //! - [`json`], [`text`]: the result for a file, and for a terminal
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod builder;
 pub mod covariance;
 pub mod fit;
@@ -122,7 +124,7 @@ fn is_radial_only(samples: &Samples) -> bool {
     let radial_um: Vec<f64> = each().map(|(at, (x, y))| radial(at, [*x, *y])).collect();
     let along = |sign: f64| -> Vec<f64> {
         let of_way = each().filter(|(at, _)| at.direction * sign > 0.0);
-        of_way.map(|(at, (x, y))| y * at.angle.cos() - x * at.angle.sin()).collect()
+        of_way.map(|(at, (x, y))| y * libm::cos(at.angle) - x * libm::sin(at.angle)).collect()
     };
     let deviation = |values: &[f64]| numerics::mean_and_deviation(values).1;
     let tangential = numerics::max_abs(

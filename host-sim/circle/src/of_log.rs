@@ -155,7 +155,7 @@ impl<'a> Signals<'a> {
     /// Angle of the command delayed by a time, rad.
     fn angles(&self, delay_s: f64) -> Vec<f64> {
         let [x, y] = [0, 1].map(|i| delayed_cubic(self.command[i].clone(), delay_s, self.sample_s));
-        x.iter().zip(&y).map(|(x, y)| y.atan2(*x)).collect()
+        x.iter().zip(&y).map(|(x, y)| libm::atan2(*y, *x)).collect()
     }
 
     /// Checks that this is the circle of another log, with the same time from sample to sample.
@@ -179,7 +179,7 @@ impl<'a> Signals<'a> {
         for arc in self.steady(delay_s) {
             let (sum, count) = &mut sums[usize::from(arc.direction < 0.0)];
             for i in arc.samples {
-                let (sin, cos) = angles[i].sin_cos();
+                let (sin, cos) = libm::sincos(angles[i]);
                 let along = arc.direction * (self.measured[1][i] * cos - self.measured[0][i] * sin);
                 *sum -= along / arc.speed_mm_s;
                 *count += 1.0;

@@ -153,7 +153,7 @@ impl Frame {
         if let Some((Term::Spike(_, shape, width), um)) = terms.first() {
             // The peak may be narrower than a sector.
             let peak_rad = if *shape == Shape::Rise { *width } else { 0.0 };
-            return (um * peak_rad.cos()).abs();
+            return (um * libm::cos(peak_rad)).abs();
         }
         let measured = [false, true].into_iter().zip(self.directions).filter(|(_, is)| *is);
         let count = SECTORS * self.per_sector(terms);

@@ -65,7 +65,7 @@ fn centre(builder: &Builder<'_>) -> Option<Part> {
     let [x, y] = terms.map(|term| builder.coefficient(term));
     let (x, y) = (x?, y?);
     let [i, j] = terms.map(|term| builder.fitted.index(term));
-    let value = x.value.hypot(y.value);
+    let value = libm::hypot(x.value, y.value);
     let weights = [(i?, x.value / value.max(1e-12)), (j?, y.value / value.max(1e-12))];
     let shift = Estimate { value, error: builder.fitted.covariance.variance(&weights).sqrt() };
     if !x.is_found() && !y.is_found() {

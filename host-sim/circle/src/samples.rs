@@ -26,7 +26,7 @@ impl Instant {
     /// A sample at an angle, rad, and in a direction, without its time.
     #[must_use]
     pub fn new(angle: f64, direction: f64) -> Self {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = libm::sincos(angle);
         Self { angle, position: [cos, sin], direction, speed: 1.0, time_s: 0.0, arc: 0 }
     }
 
@@ -159,7 +159,7 @@ impl Samples {
             Observed::Both([x, y]) => {
                 let [cos, sin] = at.position;
                 let (px, py) = (radius_um * cos + x[i], radius_um * sin + y[i]);
-                (py.atan2(px), px.hypot(py) - radius_um)
+                (libm::atan2(py, px), libm::hypot(px, py) - radius_um)
             }
             Observed::Radial(r) => (at.angle, r[i]),
         };

@@ -45,7 +45,8 @@ pub type Candidate = (f64, Vec<Term>);
 pub fn spike(samples: &Samples, fit: &Fit, axis: usize) -> Option<Candidate> {
     let [least, greatest] = WIDTHS_RAD;
     let least = least.max(MIN_WIDTH_STEPS * samples.step_rad());
-    let widths = (0..WIDTHS).map(|i| least * (greatest / least).powf(f64::from(i) / f64::from(WIDTHS - 1)));
+    let widths =
+        (0..WIDTHS).map(|i| least * libm::pow(greatest / least, f64::from(i) / f64::from(WIDTHS - 1)));
     let terms: Vec<Term> =
         widths.flat_map(|width| Shape::ALL.map(|shape| Term::Spike(axis, shape, width))).collect();
     let gain = |term: &Term| (fit.gain(&matrix(samples, &[*term])).0, vec![*term]);
@@ -139,7 +140,7 @@ fn in_time(samples: &Samples, fit: &Fit, axis: usize, sample_s: f64) -> Vec<Vec<
 
 /// |Σ value·exp(i·2π·f·k)|² per value, with the frequency f in turns per sample.
 fn power_at(values: &[f64], turns: f64) -> f64 {
-    let (sin, cos) = (TAU * turns).sin_cos();
+    let (sin, cos) = libm::sincos(TAU * turns);
     let (mut re, mut im, mut c, mut s) = (0.0, 0.0, 1.0, 0.0);
     for value in values {
         re += value * c;

@@ -56,10 +56,10 @@ impl Shape {
     fn at(self, since: f64, width: f64) -> f64 {
         let s = since / width;
         match self {
-            Self::Decay => (-s).exp(),
-            Self::Rise => s * (1.0 - s).exp(),
-            Self::HalfBell => (-0.5 * s * s).exp(),
-            Self::Bell => (-0.5 * s.min((PI - since) / width).powi(2)).exp(),
+            Self::Decay => libm::exp(-s),
+            Self::Rise => s * libm::exp(1.0 - s),
+            Self::HalfBell => libm::exp(-0.5 * s * s),
+            Self::Bell => libm::exp(-0.5 * s.min((PI - since) / width).powi(2)),
         }
     }
 }
@@ -152,5 +152,5 @@ fn along(axis: usize, value: f64) -> [f64; 2] {
 
 fn wave(turns: f64, is_cosine: bool) -> f64 {
     let angle = TAU * turns;
-    if is_cosine { angle.cos() } else { angle.sin() }
+    if is_cosine { libm::cos(angle) } else { libm::sin(angle) }
 }

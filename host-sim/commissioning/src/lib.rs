@@ -4,6 +4,8 @@
 //! - [`margins`]: gain and phase margins of the velocity and position loops
 //! - [`tuning`]: settings of the loops, as fast as given margins allow
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod compensate;
 pub mod margins;
 pub mod tuning;

@@ -64,8 +64,8 @@ impl CircleSum {
         let is_on = |arc: &&super::path_circle::PathArc| progress_m > arc.from_m && progress_m < arc.to_m;
         let Some(arc) = self.circle.arcs.iter().find(is_on) else { return };
         let [x, y] = [0, 1].map(|i| tool[self.circle.plane[i]] - self.circle.centre[i]);
-        let deviation_um = 1e6 * (x.hypot(y) - self.circle.radius);
-        self.sectors[usize::from(arc.is_clockwise)].add(y.atan2(x), deviation_um);
+        let deviation_um = 1e6 * (libm::hypot(x, y) - self.circle.radius);
+        self.sectors[usize::from(arc.is_clockwise)].add(libm::atan2(y, x), deviation_um);
     }
 
     /// The result; `None` if the circle is full in neither direction.

@@ -49,7 +49,7 @@ pub fn find(x: &[f64], y: &[f64]) -> Option<Circle> {
     arcs.iter().find_map(|largest| {
         let tolerance = SAME_CIRCLE_FRACTION * largest.radius;
         let is_same = |arc: &&Circle| {
-            let distance = (arc.centre[0] - largest.centre[0]).hypot(arc.centre[1] - largest.centre[1]);
+            let distance = libm::hypot(arc.centre[0] - largest.centre[0], arc.centre[1] - largest.centre[1]);
             distance < tolerance && (arc.radius - largest.radius).abs() < tolerance
         };
         let mut same: Vec<Arc> = arcs.iter().filter(is_same).flat_map(|circle| circle.arcs.clone()).collect();
@@ -61,7 +61,7 @@ pub fn find(x: &[f64], y: &[f64]) -> Option<Circle> {
 
 /// The ranges of samples between standstills, and between points at which the motion turns back by more than 90°.
 fn moving(x: &[f64], y: &[f64]) -> Vec<Range<usize>> {
-    let step = |i: usize| (x[i + 1] - x[i]).hypot(y[i + 1] - y[i]);
+    let step = |i: usize| libm::hypot(x[i + 1] - x[i], y[i + 1] - y[i]);
     let steps = x.len().min(y.len()).saturating_sub(1);
     let min_step = STANDSTILL_FRACTION * numerics::max_abs((0..steps).map(step));
     let turns_back = |i: usize| {
@@ -86,8 +86,9 @@ fn fit(x: &[f64], y: &[f64], range: Range<usize>) -> Option<Circle> {
     for round in 0..=ROUNDS {
         (centre, radius) = least_squares(x, y, &kept)?;
         let max_distance =
-            radius * 0.1 * (10.0 * MAX_DISTANCE_FRACTION).powf(f64::from(round) / f64::from(ROUNDS));
-        let is_on = |i: &usize| ((x[*i] - centre[0]).hypot(y[*i] - centre[1]) - radius).abs() < max_distance;
+            radius * 0.1 * libm::pow(10.0 * MAX_DISTANCE_FRACTION, f64::from(round) / f64::from(ROUNDS));
+        let is_on =
+            |i: &usize| (libm::hypot(x[*i] - centre[0], y[*i] - centre[1]) - radius).abs() < max_distance;
         kept = range.clone().filter(is_on).collect();
         if 2 * kept.len() < range.len() {
             return None;
@@ -101,7 +102,7 @@ fn fit(x: &[f64], y: &[f64], range: Range<usize>) -> Option<Circle> {
         }
     }
     let samples = longest[0]..longest[longest.len() - 1] + 1;
-    let angle = |i: usize| (y[i] - centre[1]).atan2(x[i] - centre[0]);
+    let angle = |i: usize| libm::atan2(y[i] - centre[1], x[i] - centre[0]);
     let swept_rad: f64 = samples
         .clone()
         .skip(1)

@@ -37,7 +37,7 @@ impl Lap {
     /// direction. `None` if there are no points, or a coordinate is not finite.
     #[must_use]
     pub fn from_path(path_m: &[[f64; 2]], radius_m: f64) -> Option<Self> {
-        let polar = |[x, y]: &[f64; 2]| (y.atan2(*x), 1e6 * (x.hypot(*y) - radius_m));
+        let polar = |[x, y]: &[f64; 2]| (libm::atan2(*y, *x), 1e6 * (libm::hypot(*x, *y) - radius_m));
         Self::from_polar(path_m.iter().map(polar).collect())
     }
 
@@ -63,7 +63,7 @@ impl Lap {
             let weighted = deviation_um.iter().enumerate().map(|(i, um)| um * weight(angle_rad(i)));
             numerics::mean(weighted)
         };
-        let (c, a, b) = (mean(|_| 1.0), 2.0 * mean(f64::cos), 2.0 * mean(f64::sin));
+        let (c, a, b) = (mean(|_| 1.0), 2.0 * mean(libm::cos), 2.0 * mean(libm::sin));
         for (i, um) in deviation_um.iter_mut().enumerate() {
             *um -= radial_um([c, a, b], i);
         }
@@ -88,7 +88,7 @@ impl Lap {
             self.deviation_um.iter().enumerate().map(|(i, um)| um * weight(2.0 * angle_rad(i))).sum::<f64>()
         };
         let square = self.deviation_um.iter().map(|um| um * um).sum::<f64>();
-        2.0 / POINTS as f64 * (sum(f64::cos).powi(2) + sum(f64::sin).powi(2)) / square
+        2.0 / POINTS as f64 * (sum(libm::cos).powi(2) + sum(libm::sin).powi(2)) / square
     }
 
     /// Angle of the maximum absolute deviation, rad, 0 to 2π.
@@ -169,7 +169,7 @@ impl Ballbar {
         let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
         for step in from * POINTS / 360..=to * POINTS / 360 {
             let at = if is_after { reversal + step } else { reversal + POINTS - step };
-            let (sin, cos) = angle_rad(step).sin_cos();
+            let (sin, cos) = libm::sincos(angle_rad(step));
             let row = Vector3::new(cos, sin, 2.0 * sin * cos);
             normal += row * row.transpose();
             right += row * self.difference_um(at % POINTS);
@@ -185,7 +185,7 @@ impl Ballbar {
 
 /// Radial deviation of a circle of [`Lap::circle_um`] at a point of a lap, µm.
 fn radial_um([c, a, b]: [f64; 3], point: usize) -> f64 {
-    let (sin, cos) = angle_rad(point).sin_cos();
+    let (sin, cos) = libm::sincos(angle_rad(point));
     c + a * cos + b * sin
 }
 

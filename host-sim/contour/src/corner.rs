@@ -65,7 +65,7 @@ impl Corner {
         let before = unit(&minus(&point, &path.point_at(progress_m - SPAN_M)));
         let after = unit(&minus(&path.point_at(progress_m + SPAN_M), &point));
         let along = dot(&before, &after).clamp(-1.0, 1.0);
-        let turn_rad = along.acos();
+        let turn_rad = libm::acos(along);
         let outward = if turn_rad > REVERSAL_RAD { before } else { unit(&plus(&before, -along, &after)) };
         (turn_rad > MIN_TURN_RAD).then_some(Self { point, progress_m, turn_rad, outward, reach_m: 0.0 })
     }

@@ -12,6 +12,8 @@
 //! - [`verification`], [`comparison`]: the error before and after a change
 //! - [`text`], [`json`]: the figures for a terminal, and for a file
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod across;
 pub mod circle;
 pub mod circle_fit;

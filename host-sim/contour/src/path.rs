@@ -65,7 +65,7 @@ impl NominalPath {
                 }
                 PathShape::ArcTo { plane, centre_m, to_m, positive } => {
                     let plane = plane.map(usize::from);
-                    let angle = |x: f64, y: f64| (y - centre_m[1]).atan2(x - centre_m[0]);
+                    let angle = |x: f64, y: f64| libm::atan2(y - centre_m[1], x - centre_m[0]);
                     let difference = angle(to_m[0], to_m[1]) - angle(at[plane[0]], at[plane[1]]);
                     let swept =
                         if *positive { difference.rem_euclid(TAU) } else { -(-difference).rem_euclid(TAU) };
@@ -126,7 +126,7 @@ impl NominalPath {
     fn push_arc(&mut self, from: Point, arc: &Arc, block: usize) -> Point {
         let Arc { plane, centre, swept_rad } = *arc;
         let [dx, dy] = [from[plane[0]] - centre[0], from[plane[1]] - centre[1]];
-        let (radius, start_rad, sense) = (dx.hypot(dy), dy.atan2(dx), swept_rad.signum());
+        let (radius, start_rad, sense) = (libm::hypot(dx, dy), libm::atan2(dy, dx), swept_rad.signum());
         let from_m = self.length_m();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a motion lasts an hour")]
         let count = (swept_rad.abs() / FRAC_PI_2).ceil() as usize;

@@ -39,7 +39,7 @@ impl PathCircle {
         let is_same = |other: &&mut Self| {
             let shift = [0, 1].map(|i| other.centre[i] - circle.centre[i]);
             other.plane == circle.plane
-                && shift[0].hypot(shift[1]) < tolerance_m
+                && libm::hypot(shift[0], shift[1]) < tolerance_m
                 && (other.radius - circle.radius).abs() < tolerance_m
         };
         match circles.iter_mut().find(is_same) {

@@ -38,7 +38,7 @@ impl Piece {
         match &self.shape {
             Shape::Line { direction } => plus(&self.from, along_m, direction),
             Shape::Arc { plane, centre, radius, start_rad, sense } => {
-                let (sin, cos) = (start_rad + sense * along_m / radius).sin_cos();
+                let (sin, cos) = libm::sincos(start_rad + sense * along_m / radius);
                 let mut point = self.from;
                 point[plane[0]] = centre[0] + radius * cos;
                 point[plane[1]] = centre[1] + radius * sin;
@@ -52,7 +52,7 @@ impl Piece {
         match &self.shape {
             Shape::Line { direction } => *direction,
             Shape::Arc { plane, radius, start_rad, sense, .. } => {
-                let (sin, cos) = (start_rad + sense * along_m / radius).sin_cos();
+                let (sin, cos) = libm::sincos(start_rad + sense * along_m / radius);
                 let mut tangent = [0.0; 3];
                 tangent[plane[0]] = -sense * sin;
                 tangent[plane[1]] = sense * cos;
@@ -66,7 +66,7 @@ impl Piece {
         let along_m = match &self.shape {
             Shape::Line { direction } => dot(&minus(point, &self.from), direction),
             Shape::Arc { plane, centre, radius, start_rad, sense } => {
-                let angle = (point[plane[1]] - centre[1]).atan2(point[plane[0]] - centre[0]);
+                let angle = libm::atan2(point[plane[1]] - centre[1], point[plane[0]] - centre[0]);
                 // Within half a turn of the middle of the piece, so that the limits clamp to the nearer end.
                 let middle = 0.5 * self.length_m / radius;
                 let from_middle = (sense * (angle - start_rad) - middle + PI).rem_euclid(TAU) - PI;

@@ -92,11 +92,11 @@ impl Noise {
 
 /// Middle of a class, m.
 fn middle(class: usize) -> f64 {
-    SMALLEST_M * ((class as f64 + 0.5) / CLASSES_PER_OCTAVE).exp2()
+    SMALLEST_M * libm::exp2((class as f64 + 0.5) / CLASSES_PER_OCTAVE)
 }
 
 fn class(magnitude: f64) -> usize {
-    let octaves = (magnitude / SMALLEST_M).max(1.0).log2();
+    let octaves = libm::log2((magnitude / SMALLEST_M).max(1.0));
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

@@ -11,6 +11,8 @@
 //! An error is that of the table or tool: actual − commanded position. Positions are those of the logs; a control counts from its own
 //! machine zero, so both must be the same. None of this needs masses or gains. The sources of the formats are named in `docs/controls.md`.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod backlash_only;
 pub mod beckhoff;
 pub mod control;

@@ -69,7 +69,7 @@ fn rise_n(stribeck: Option<Stribeck>) -> f64 {
 fn of_velocity_drive(force: &ForceModel, axis: &AxisErrors<'_>) -> String {
     let friction_m_per_s2 = force.share * force.friction.coulomb_n / equivalent::MOTOR_KG;
     let velocity_mm_s = 1e3 * friction_m_per_s2 * axis.fitted.time_constant_s;
-    let decay = 1.0 - (-axis.fitted.integral_per_s.max(0.0) * axis.period_s).exp();
+    let decay = 1.0 - libm::exp(-axis.fitted.integral_per_s.max(0.0) * axis.period_s);
     format!(
         "FRICTION = {velocity_mm_s:.6}\nFRICTION_PER_MM = {TURNOVER_PER_MM:.6}\nFRICTION_DECAY = {decay:.6}\n"
     )

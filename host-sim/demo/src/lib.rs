@@ -1,5 +1,7 @@
 //! The demonstration: a machine with one undeclared effect is simulated, logged and traced, then compensated and run again.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod draw;
 pub mod round_trips;
 pub mod second_machine;

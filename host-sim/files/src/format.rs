@@ -5,7 +5,7 @@ const MINUS: char = '−';
 
 /// Number of decimals for this number of significant digits.
 fn decimals(value: f64, digits: i32) -> usize {
-    let magnitude = value.abs().log10().floor().clamp(-12.0, 12.0);
+    let magnitude = libm::log10(value.abs()).floor().clamp(-12.0, 12.0);
     #[expect(clippy::cast_possible_truncation, reason = "between -12 and 12")]
     let exponent = if value == 0.0 { 0 } else { magnitude as i32 };
     usize::try_from((digits - 1 - exponent).min(9)).unwrap_or(0)
@@ -25,7 +25,7 @@ pub fn fixed(value: f64, decimals: usize) -> String {
 /// A value with this number of significant digits.
 #[must_use]
 pub fn significant(value: f64, digits: i32) -> String {
-    let unit = 10_f64.powf(value.abs().log10().floor() - f64::from(digits - 1));
+    let unit = libm::pow(10_f64, libm::log10(value.abs()).floor() - f64::from(digits - 1));
     let rounded = if value != 0.0 && unit > 1.0 { (value / unit).round() * unit } else { value };
     fixed(rounded, decimals(value, digits))
 }

@@ -11,6 +11,8 @@
 //! - [`leftovers`]: temporary files left by a killed run
 //! - [`output`]: files that are written completely or not at all
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod axis_name;
 pub mod document;
 pub mod error;

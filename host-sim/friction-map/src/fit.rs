@@ -76,10 +76,10 @@ pub fn fit_with(map: &FrictionMap, runs: &[Run], base: &Law, term: Term) -> Opti
     let law = base.with(term);
     let Some(range) = term.shape_range(map) else { return fit(map, runs, &law) };
     let last = law.shapes.len() - 1;
-    let span = (range.max / range.min).ln();
+    let span = libm::log(range.max / range.min);
     let start = |i: u32| {
         let mut law = law.clone();
-        law.shapes[last] = range.min * (span * (f64::from(i) + 0.5) / f64::from(STARTS)).exp();
+        law.shapes[last] = range.min * libm::exp(span * (f64::from(i) + 0.5) / f64::from(STARTS));
         fit_sizes(runs, &law)
     };
     // At given shapes, the sizes are the solution of a linear problem.
@@ -103,7 +103,7 @@ pub fn fit(map: &FrictionMap, runs: &[Run], start: &Law) -> Option<Fit> {
         for (shape, range) in law.shapes.iter_mut().zip(&ranges) {
             if let Some(range) = range {
                 let step = steps.next().map_or(0.0, |step| step.clamp(-1.0, 1.0));
-                *shape = (*shape * step.exp()).clamp(range.min, range.max);
+                *shape = (*shape * libm::exp(step)).clamp(range.min, range.max);
             }
         }
         match fit_sizes(runs, &law) {

@@ -20,6 +20,8 @@
 //! ([`model::friction_law`]), the reader of tables ([`files::table`]), the statistics ([`numerics`]), and parts of the pages
 //! in `report`.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod explain;
 pub mod fit;
 pub mod json;

@@ -128,9 +128,9 @@ impl Term {
             Self::StribeckExponential => sign * exponential_decay(speed / shape),
             Self::StribeckAsymmetry => exponential_decay(speed / shape),
             Self::Quadratic => velocity * speed,
-            Self::Power => sign * (speed / top_speed).powf(shape),
-            Self::Saturating => (velocity / shape).tanh(),
-            Self::Logarithmic => sign * (speed / shape).ln_1p(),
+            Self::Power => sign * libm::pow(speed / top_speed, shape),
+            Self::Saturating => libm::tanh(velocity / shape),
+            Self::Logarithmic => sign * libm::log1p(speed / shape),
         }
     }
 

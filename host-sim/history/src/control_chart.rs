@@ -58,7 +58,7 @@ fn limit(weight: f64, deviations: f64) -> f64 {
 fn run_length(weight: f64, limit: f64) -> f64 {
     let step = 2.0 * limit / POINTS as f64;
     let at = |index: usize| (index as f64 + 0.5) * step - limit;
-    let density = |x: f64| (-0.5 * x * x).exp() / (2.0 * PI).sqrt();
+    let density = |x: f64| libm::exp(-0.5 * x * x) / (2.0 * PI).sqrt();
     let kernel = DMatrix::from_fn(POINTS, POINTS, |from, to| {
         density((at(to) - (1.0 - weight) * at(from)) / weight) * step / weight
     });

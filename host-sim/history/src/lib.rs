@@ -6,6 +6,8 @@
 //! announced change. [`forecast`] extends the trend to a limit, [`appearance`] determines which effects appeared or disappeared. [`text`],
 //! [`page`], [`json`] and [`table`] show the result.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod appearance;
 pub mod change;
 pub mod control_chart;

@@ -15,6 +15,8 @@
 //!
 //! No data are invented: a channel that is not mapped is not in the log, and a time that neither the file nor the user gives is an error.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod any_log;
 pub mod arrays;
 pub mod ballbar;

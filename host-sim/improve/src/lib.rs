@@ -5,6 +5,8 @@
 //! - [`retrace`]: the parts of the logs of a compensated machine that are traced
 //! - [`outcome`]: the rounds as sentences, table and JSON
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod outcome;
 pub mod retrace;
 pub mod round;

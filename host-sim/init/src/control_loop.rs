@@ -135,7 +135,7 @@ fn other_instants(form: Form, divider: Option<u32>) -> Vec<Form> {
 /// A form with values between those of [`coarse`].
 fn nearby(form: Form) -> Vec<Form> {
     let factors = |value: Option<f64>, ratio: f64| -> Vec<Option<f64>> {
-        let steps = (-NEARBY..=NEARBY).map(|step| ratio.powf(f64::from(step) / f64::from(NEARBY)));
+        let steps = (-NEARBY..=NEARBY).map(|step| libm::pow(ratio, f64::from(step) / f64::from(NEARBY)));
         value.map_or(vec![None], |value| steps.map(|factor| Some(value * factor)).collect())
     };
     let duals = factors(form.dual_s, DUAL_RATIO);
@@ -246,7 +246,7 @@ fn feedback(log: &AxisSignals, sample_s: f64, form: Form) -> Option<Vec<f64>> {
         Feedback::Table => table().cloned(),
         Feedback::Dual => {
             let table = table()?;
-            let kept = (-sample_s / form.dual_s?).exp();
+            let kept = libm::exp(-sample_s / form.dual_s?);
             let mut slow = table.first()? - motor.first()?;
             let dual = motor.iter().zip(table).map(|(motor, table)| {
                 slow = kept * slow + (1.0 - kept) * (table - motor);

@@ -128,7 +128,7 @@ impl Search<'_> {
 
     /// The ticks of the velocity loop per sample, which all axes share, with which the fits leave least; the values are then those.
     pub fn best_divider(&self, best: &mut Vec<Fitted>, examined: &Identification) -> u32 {
-        let error = |all: &[Fitted]| all.iter().map(|fitted| fitted.motor_rms.ln()).sum::<f64>();
+        let error = |all: &[Fitted]| all.iter().map(|fitted| libm::log(fitted.motor_rms)).sum::<f64>();
         let mut kept = (f64::INFINITY, DIVIDERS[0]);
         let start = best.clone();
         for divider in DIVIDERS {

@@ -14,6 +14,8 @@
 //!
 //! What logs cannot show remains unknown: the lead of a screw, limits, and everything that only a missing channel would show.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod control_loop;
 pub mod direction;
 pub mod form;

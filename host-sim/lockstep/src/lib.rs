@@ -3,6 +3,8 @@
 //! - [`remote`]: the controller at the other end of a connection
 //! - [`emulator`]: the connection to a core emulated by QEMU
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod emulator;
 pub mod remote;
 

@@ -75,8 +75,8 @@ impl FallingRising {
     #[must_use]
     pub fn coefficient(&self, velocity_m_per_s: f64) -> f64 {
         let v = velocity_m_per_s;
-        let falling = (self.mu1 * self.gamma - self.mu2) / (self.beta * v).cosh();
-        (self.mu2 * v * v + falling) * (self.alpha * v).tanh()
+        let falling = (self.mu1 * self.gamma - self.mu2) / libm::cosh(self.beta * v);
+        (self.mu2 * v * v + falling) * libm::tanh(self.alpha * v)
     }
 
     /// Friction against the motion, N.

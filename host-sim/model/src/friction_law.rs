@@ -6,7 +6,7 @@
 #[must_use]
 #[inline]
 pub fn gaussian_decay(ratio: f64) -> f64 {
-    (-ratio * ratio).exp()
+    libm::exp(-ratio * ratio)
 }
 
 /// Rise of friction towards standstill, excess·exp(−(v/vs)²), N; v in m/s, vs in mm/s.
@@ -23,7 +23,7 @@ pub fn stribeck_rise_n(static_excess_n: f64, velocity_mm_s: f64, velocity_m_per_
 #[must_use]
 #[inline]
 pub fn exponential_decay(ratio: f64) -> f64 {
-    (-ratio.abs()).exp()
+    libm::exp(-ratio.abs())
 }
 
 #[cfg(test)]

@@ -11,6 +11,8 @@
 //! - [`residual_table`]: a residual that no effect describes.
 //! - [`range`]: the range of a declared number.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod axis;
 pub mod bodies;
 pub mod effects;

@@ -40,7 +40,7 @@ impl PlannedArc {
         }
         let centre_mm = reader.pair("centre_mm", &arc.centre_mm)?;
         let radius = [from_mm[0] - centre_mm[0], from_mm[1] - centre_mm[1]];
-        let radius_mm = radius[0].hypot(radius[1]);
+        let radius_mm = libm::hypot(radius[0], radius[1]);
         if radius_mm < SHORTEST_MM {
             return Err(reader.refuse("centre_mm", "a centre other than the current position"));
         }
@@ -107,12 +107,12 @@ impl Reader<'_> {
         centre_mm: [f64; 2],
     ) -> Result<f64, InputError> {
         let to = [to_mm[0] - centre_mm[0], to_mm[1] - centre_mm[1]];
-        if (to[0] - radius[0]).hypot(to[1] - radius[1]) < SHORTEST_MM {
+        if libm::hypot(to[0] - radius[0], to[1] - radius[1]) < SHORTEST_MM {
             let what = "a point other than the current position: a full circle is given by turns";
             return Err(self.refuse("to_mm", what));
         }
-        let radius_mm = radius[0].hypot(radius[1]);
-        let distance_mm = (to[0].hypot(to[1]) - radius_mm).abs();
+        let radius_mm = libm::hypot(radius[0], radius[1]);
+        let distance_mm = (libm::hypot(to[0], to[1]) - radius_mm).abs();
         let tolerance_mm = 1e-6 * END_TOLERANCE_NM as f64;
         if distance_mm > tolerance_mm {
             let what = format!(
@@ -121,7 +121,7 @@ impl Reader<'_> {
             );
             return Err(self.refuse("to_mm", &what));
         }
-        let turn = (to[1].atan2(to[0]) - radius[1].atan2(radius[0])) / TAU;
+        let turn = (libm::atan2(to[1], to[0]) - libm::atan2(radius[1], radius[0])) / TAU;
         let forward = if turn > 0.0 { turn } else { turn + 1.0 };
         Ok(match direction {
             Direction::Positive => forward,
@@ -132,6 +132,6 @@ impl Reader<'_> {
 
 /// The end point of an arc given by turns. `fract` makes it exactly the start after whole turns.
 fn turned([x, y]: [f64; 2], centre_mm: [f64; 2], turns: f64) -> [f64; 2] {
-    let (sin, cos) = (TAU * turns.fract()).sin_cos();
+    let (sin, cos) = libm::sincos(TAU * turns.fract());
     [centre_mm[0] + x * cos - y * sin, centre_mm[1] + x * sin + y * cos]
 }

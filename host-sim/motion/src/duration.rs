@@ -54,6 +54,6 @@ impl FastestRamp {
     /// From length = ½·acceleration·t² and length = ⅙·jerk·t³.
     fn duration_s(&self) -> f64 {
         let at_acceleration_s = (2.0 * self.length_m / self.acceleration_m_per_s2).sqrt();
-        at_acceleration_s.max((6.0 * self.length_m / self.jerk_m_per_s3).cbrt())
+        at_acceleration_s.max(libm::cbrt(6.0 * self.length_m / self.jerk_m_per_s3))
     }
 }

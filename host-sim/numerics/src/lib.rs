@@ -13,6 +13,8 @@
 //! `rand_distr` contain most of these functions, but with other approximations and another order of random draws: recorded
 //! results and the meaning of seeds would change.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod averages;
 pub mod bins;
 pub mod distributions;

@@ -20,7 +20,7 @@ pub fn sum_of_uniforms(random: &mut impl RngExt) -> f64 {
 pub fn box_muller(random: &mut impl RngExt) -> f64 {
     // 1 − u is in (0, 1], so that the logarithm of 0 does not occur.
     let [u, v] = [1.0 - random.random::<f64>(), random.random::<f64>()];
-    (-2.0 * u.ln()).sqrt() * (TAU * v).cos()
+    (-2.0 * libm::log(u)).sqrt() * libm::cos(TAU * v)
 }
 
 #[cfg(test)]

@@ -74,7 +74,7 @@ fn decimals(size: f64, digits: i32) -> i32 {
         return 0;
     }
     #[expect(clippy::cast_possible_truncation, reason = "the exponent of a finite number")]
-    let exponent = size.log10().floor() as i32;
+    let exponent = libm::log10(size).floor() as i32;
     digits - 1 - exponent
 }
 

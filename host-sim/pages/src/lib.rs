@@ -9,6 +9,8 @@
 //! - `ticks`: the ticks of an axis
 //! - [`polar`]: deviations over the angle of a circle, as ballbar users draw them
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod choice;
 mod data;
 pub mod markup;

@@ -23,7 +23,7 @@ const DIVISIONS: i32 = 4;
 #[must_use]
 pub fn division_for(max_um: f64) -> f64 {
     let min = (max_um / f64::from(DIVISIONS)).max(1e-3);
-    let power = 10_f64.powf(min.log10().floor());
+    let power = libm::pow(10_f64, libm::log10(min).floor());
     [1.0, 2.0, 5.0].into_iter().map(|m| m * power).find(|d| *d >= min).unwrap_or(10.0 * power)
 }
 
@@ -87,7 +87,7 @@ fn in_degrees(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 /// Position of a polar point in the picture.
 fn position(angle: f64, radius: f64) -> (f64, f64) {
     let middle = 0.5 * f64::from(SIDE);
-    (middle + radius * angle.cos(), middle - radius * angle.sin())
+    (middle + radius * libm::cos(angle), middle - radius * libm::sin(angle))
 }
 
 /// Radius of the outermost division.

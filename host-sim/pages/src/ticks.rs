@@ -37,7 +37,7 @@ pub(super) fn within([low, high]: [f64; 2], most: u32, few: u32) -> Vec<Tick> {
 
 /// The smallest of 1, 2 and 5 times a power of ten that is not below `least`.
 fn step_of(least: f64) -> f64 {
-    let power = 10_f64.powf(least.log10().floor());
+    let power = libm::pow(10_f64, libm::log10(least).floor());
     // A step that is `least` but for rounding is that step.
     [1.0, 2.0, 5.0]
         .into_iter()
@@ -54,7 +54,7 @@ fn coarser(step: f64, least: f64) -> i64 {
 /// As many decimals as neighbouring labels need to differ.
 fn decimals(step: f64) -> usize {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and 9")]
-    let decimals = (-(step * 1.001).log10().floor()).clamp(0.0, 9.0) as usize;
+    let decimals = (-libm::log10(step * 1.001).floor()).clamp(0.0, 9.0) as usize;
     decimals
 }
 

@@ -62,7 +62,7 @@ impl CoupledAxes {
         let (ways, multibody) = (assembly.ways()?, Multibody::new(&assembly, step_s)?);
         let axis = |(number, (axis, parameters)): (usize, (&model::bodies::Axis, &AxisParameters))| {
             let lag_s = parameters.servo.drive_time_constant_s(drive_time_constant_s);
-            let lag_left = if lag_s > 0.0 { (-step_s / lag_s).exp() } else { 0.0 };
+            let lag_left = if lag_s > 0.0 { libm::exp(-step_s / lag_s) } else { 0.0 };
             CoupledAxis {
                 motor_start_m: start_m[number],
                 table_start_m: parameters.screw.nominal_m(start_m[number]),

@@ -17,7 +17,7 @@ pub const SIGN_WIDTH_M_PER_S: f64 = 0.2e-3;
 #[must_use]
 #[inline]
 pub fn smoothed_sign(velocity: f64) -> f64 {
-    (velocity / SIGN_WIDTH_M_PER_S).tanh()
+    libm::tanh(velocity / SIGN_WIDTH_M_PER_S)
 }
 
 /// What the sliding level depends on besides the velocity.

@@ -8,5 +8,5 @@ pub const DRIVE_SLIP_M: f64 = 5e-6;
 #[must_use]
 pub fn after(direction: f64, travel_m: f64, slip_m: f64) -> f64 {
     let sign = if travel_m < 0.0 { -1.0 } else { 1.0 };
-    sign + (direction - sign) * (-travel_m.abs() / slip_m).exp()
+    sign + (direction - sign) * libm::exp(-travel_m.abs() / slip_m)
 }

@@ -30,6 +30,8 @@
 //! [`presliding::Bristles`], [`screw::Screw`], and the force ripple and resolver errors of
 //! [`parameters::AxisParameters`].
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod axis_motion;
 pub mod controller;
 pub mod coupled_axes;

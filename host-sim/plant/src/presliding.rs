@@ -68,7 +68,7 @@ impl Bristles<f64> {
     pub fn exact_step(&self, bristle_m: f64, about: f64, level_n: f64, step: StepTime) -> ExactStep {
         let (stiffness, damping) = (self.stiffness_n_per_m, self.damping_n_s_per_m);
         let relaxation = self.relaxation_per_m(level_n) * about.abs() * step.seconds;
-        let decay = (-relaxation).exp();
+        let decay = libm::exp(-relaxation);
         // For r below 1e-6 it is 1 within 5e-7, and the difference would cancel.
         let mean_decay = if relaxation > 1e-6 { (1.0 - decay) / relaxation } else { 1.0 };
         ExactStep {

@@ -27,7 +27,7 @@ impl Course {
         let elapsed = (instant - first).clamp(-length, 2.0 * length);
         match self.time_constant {
             None => elapsed / length,
-            Some(constant) => (-elapsed / constant).exp_m1() / (-length / constant).exp_m1(),
+            Some(constant) => libm::expm1(-elapsed / constant) / libm::expm1(-length / constant),
         }
     }
 

@@ -110,8 +110,8 @@ fn time_constant(source: &Source<'_>) -> Option<Parameter> {
 fn timed(source: &Source<'_>, (change, half_width): (f64, f64)) -> Option<(f64, f64)> {
     let [low, high] = source.time_constant_ci95?;
     let [first, last] = source.grid.course.span;
-    let factor = |constant: f64| 1.0 / ((-first / constant).exp() - (-last / constant).exp());
+    let factor = |constant: f64| 1.0 / (libm::exp(-first / constant) - libm::exp(-last / constant));
     let own = factor(source.grid.course.time_constant?);
     let of_constant = 0.5 * (factor(low) - factor(high)).abs() * change.abs();
-    Some((own * change, (own * half_width).hypot(of_constant)))
+    Some((own * change, libm::hypot(own * half_width, of_constant)))
 }

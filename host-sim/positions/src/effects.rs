@@ -145,7 +145,7 @@ fn waves(source: &Source<'_>) -> Vec<Effect> {
     let of = |(index, period_mm): (usize, &f64)| {
         let columns = mean.start + 2 + 2 * index..mean.start + 4 + 2 * index;
         let [sine, cosine] = [0, 1].map(|i| source.fit.coefficients[columns.start + i]);
-        let amplitude_um = sine.hypot(cosine);
+        let amplitude_um = libm::hypot(sine, cosine);
         let weights = source.weights(&columns, &[sine / amplitude_um, cosine / amplitude_um]);
         let across = source.weights(&columns, &[-cosine / amplitude_um, sine / amplitude_um]);
         let half_um = source.fit.half_width(&weights);
@@ -164,7 +164,7 @@ fn waves(source: &Source<'_>) -> Vec<Effect> {
             .parameters
             .insert("period_mm", Parameter::number(*period_mm, period_half_mm(source, *period_mm, half_rad)));
         let phase_half_rad = half_rad * from_zero(source);
-        effect.parameters.insert("phase_rad", Parameter::number(cosine.atan2(sine), phase_half_rad));
+        effect.parameters.insert("phase_rad", Parameter::number(libm::atan2(cosine, sine), phase_half_rad));
         effect.aliases_mm = aliases_mm;
         effect.sentence = format!(
             "a periodic error of {} µm amplitude with a period of {} mm",
@@ -178,7 +178,7 @@ fn waves(source: &Source<'_>) -> Vec<Effect> {
 
 /// By how much a phase at position zero is less sure than in the middle of the targets, as the period is not sure either.
 fn from_zero(source: &Source<'_>) -> f64 {
-    (source.grid.middle_mm() / spread_mm(source)).hypot(1.0)
+    libm::hypot(source.grid.middle_mm() / spread_mm(source), 1.0)
 }
 
 /// Root mean square distance of the targets from their middle, mm.

@@ -13,6 +13,8 @@
 //! - [`analysis`]: the complete evaluation
 //! - [`json`], [`text`], [`machine_file`]: the result for a file, for a terminal, and as a machine file
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod analysis;
 pub mod columns;
 pub mod course;

@@ -193,7 +193,7 @@ impl Variant {
                 row.extend([1.0, grid.along_m(x)]);
                 row.extend(periods.iter().flat_map(|period_mm| {
                     let angle = TAU * x / period_mm;
-                    [angle.sin(), angle.cos()]
+                    [libm::sin(angle), libm::cos(angle)]
                 }));
             }
             Mean::Map => row.extend(grid.weights(x)),

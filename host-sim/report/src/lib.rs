@@ -20,6 +20,8 @@
 //! | [`before_after`] | motions before, as predicted, and after a compensation |
 //! | [`ranking`] | the candidates of each round |
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod axis_view;
 pub mod before_after;
 mod budget_circle;

@@ -59,7 +59,7 @@ impl Run<'_> {
             let (x, y) = (channel(&self.signals.axes[0])?, channel(&self.signals.axes[1])?);
             let [cx, cy] = self.circle.centre;
             let deviation_um =
-                |i: usize, _| 1e6 * ((x.raw[i] - cx).hypot(y.raw[i] - cy) - self.circle.radius);
+                |i: usize, _| 1e6 * (libm::hypot(x.raw[i] - cx, y.raw[i] - cy) - self.circle.radius);
             Some((name, self.laps(deviation_um)))
         })
     }
@@ -84,7 +84,7 @@ impl Run<'_> {
             }
             sum
         });
-        self.laps(|i, angle: f64| sums[0][i] * angle.cos() + sums[1][i] * angle.sin())
+        self.laps(|i, angle: f64| sums[0][i] * libm::cos(angle) + sums[1][i] * libm::sin(angle))
     }
 
     /// Largest mean speed of the arcs, m/s.
@@ -116,6 +116,6 @@ impl Run<'_> {
             let command = self.signals.axes[axis].command.as_ref();
             command.map_or(0.0, |command| command[sample] - self.circle.centre[axis])
         };
-        from_centre(1).atan2(from_centre(0))
+        libm::atan2(from_centre(1), from_centre(0))
     }
 }

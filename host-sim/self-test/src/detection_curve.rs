@@ -136,7 +136,7 @@ fn names<'a>(detections: impl Iterator<Item = &'a Detection>) -> Proportion {
 
 /// Index of the size nearest to this one, by ratio.
 fn bin_of(size: f64) -> usize {
-    let distance = |index: &usize| (size.max(f64::MIN_POSITIVE) / SIZES[*index]).ln().abs();
+    let distance = |index: &usize| libm::log(size.max(f64::MIN_POSITIVE) / SIZES[*index]).abs();
     (0..SIZES.len()).min_by(|one, other| distance(one).total_cmp(&distance(other))).unwrap_or(0)
 }
 

@@ -87,8 +87,8 @@ fn point(bin: &Bin) -> Markup {
 
 /// Position of a size; one beyond the scale is drawn at its end.
 fn x(size: f64) -> String {
-    let [low, high] = ENDS.map(f64::ln);
-    let part = (size.max(f64::MIN_POSITIVE).ln().clamp(low, high) - low) / (high - low);
+    let [low, high] = ENDS.map(libm::log);
+    let part = (libm::log(size.max(f64::MIN_POSITIVE)).clamp(low, high) - low) / (high - low);
     format!("{:.1}", f64::from(LEFT) + f64::from(WIDTH) * part)
 }
 

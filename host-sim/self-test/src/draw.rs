@@ -264,6 +264,6 @@ pub fn one_of<T: Copy>(choice: &[T], random: &mut ChaCha8Rng) -> T {
 
 /// Rounded to six significant digits, as it is written to the machine file.
 fn six_digits(value: f64) -> f64 {
-    let factor = 10_f64.powf(5.0 - value.abs().log10().floor());
+    let factor = libm::pow(10_f64, 5.0 - libm::log10(value.abs()).floor());
     (value * factor).round() / factor
 }

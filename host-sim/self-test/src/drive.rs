@@ -29,7 +29,7 @@ impl Drive {
             return force_n;
         }
         let before_n = self.acting_n;
-        let kept = (-STEP_S / self.lag_s).exp();
+        let kept = libm::exp(-STEP_S / self.lag_s);
         self.acting_n = force_n + kept * (before_n - force_n);
         before_n
     }

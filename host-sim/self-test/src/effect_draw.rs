@@ -55,7 +55,7 @@ pub fn draw_beside(extras: &[Truth], kind: Kind, machine: &mut Drawn, random: &m
     truths.drain(..extras.len());
     if kind == Kind::Small {
         for truth in &mut truths {
-            let strength = SMALLEST_STRENGTH.powf(random.random_range(0.0..1.0));
+            let strength = libm::pow(SMALLEST_STRENGTH, random.random_range(0.0..1.0));
             *truth = effect::small(truth, strength, machine);
         }
     }

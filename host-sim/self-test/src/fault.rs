@@ -97,5 +97,5 @@ fn begin(log: &Log, random: &mut ChaCha8Rng) -> usize {
 }
 
 fn log_uniform([low, high]: [f64; 2], random: &mut ChaCha8Rng) -> f64 {
-    low * (high / low).powf(random.random_range(0.0..1.0))
+    low * libm::pow(high / low, random.random_range(0.0..1.0))
 }

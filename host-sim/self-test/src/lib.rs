@@ -14,6 +14,8 @@
 //! | how often an effect of a given size is found | [`detection`], [`detection_curve`], [`detection_text`], `detection_plot` |
 //! | text and page | [`text_summary`], [`page`], `kind_table`, `confusion_plot`, `parameter_plot` |
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod accepted;
 pub mod case;
 pub mod chain;

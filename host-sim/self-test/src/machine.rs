@@ -132,7 +132,7 @@ impl<'a> MovingAxis<'a> {
     /// Position of the tool with the effects of the other axis and of time.
     fn tool_m(&self, other: &State, time_s: f64) -> f64 {
         let axis = self.axis;
-        let rise = |[end_m, constant_s]: [f64; 2]| end_m * -(-time_s / constant_s).exp_m1();
+        let rise = |[end_m, constant_s]: [f64; 2]| end_m * -libm::expm1(-time_s / constant_s);
         let drift_m = if axis.drift_m == 0.0 { 0.0 } else { rise([axis.drift_m, axis.drift_s]) };
         let drift_m = drift_m + axis.slow_drift.map_or(0.0, rise) + axis.drift_m_per_s * time_s;
         let second_m = self.modes[1].at_m - self.state.table_m;

@@ -69,7 +69,7 @@ pub fn sampled(start: [f64; 2], segments: &[Segment], pace: Pace) -> Vec<[f64; 2
             Segment::Dwell(time_s) => positions.extend(vec![from; to_count((time_s / SAMPLE_S).round())]),
             Segment::Line(to) => {
                 let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
-                let length = dx.hypot(dy);
+                let length = libm::hypot(dx, dy);
                 positions.extend(
                     fractions(pace, length)
                         .map(|fraction| [from[0] + fraction * dx, from[1] + fraction * dy]),
@@ -79,10 +79,10 @@ pub fn sampled(start: [f64; 2], segments: &[Segment], pace: Pace) -> Vec<[f64; 2
             Segment::Arc(centre, turns) => {
                 let [dx, dy] = [from[0] - centre[0], from[1] - centre[1]];
                 let turned = |fraction: f64| {
-                    let (sin, cos) = (TAU * turns * fraction).sin_cos();
+                    let (sin, cos) = libm::sincos(TAU * turns * fraction);
                     [centre[0] + cos * dx - sin * dy, centre[1] + sin * dx + cos * dy]
                 };
-                positions.extend(fractions(pace, TAU * turns.abs() * dx.hypot(dy)).map(turned));
+                positions.extend(fractions(pace, TAU * turns.abs() * libm::hypot(dx, dy)).map(turned));
                 from = turned(1.0);
             }
         }

@@ -93,7 +93,7 @@ fn coverage_interval(coverage: Proportion, top: u32) -> Markup {
 /// Position of an error in percent; one beyond the scale is drawn at its end.
 fn error_x(percent: f64) -> f64 {
     let (low, high) = (f64::from(DECADES.0), f64::from(DECADES.1));
-    let decade = percent.max(f64::MIN_POSITIVE).log10().clamp(low, high);
+    let decade = libm::log10(percent.max(f64::MIN_POSITIVE)).clamp(low, high);
     f64::from(LEFT) + ERRORS * (decade - low) / (high - low)
 }
 

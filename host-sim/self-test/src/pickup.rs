@@ -47,7 +47,7 @@ impl PickedUp {
         self.value_m = match self.filter {
             Filter::None => delayed_m,
             Filter::LowPass(time_s) => {
-                self.low_m -= (-STEP_S / time_s).exp_m1() * (delayed_m - self.low_m);
+                self.low_m -= libm::expm1(-STEP_S / time_s) * (delayed_m - self.low_m);
                 self.low_m
             }
             Filter::Notch([omega, zeta]) => {

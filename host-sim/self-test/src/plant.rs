@@ -30,7 +30,7 @@ impl Sinusoid {
         if self.amplitude == 0.0 {
             return 0.0;
         }
-        self.amplitude * (TAU * x / self.period + self.phase).sin()
+        self.amplitude * libm::sin(TAU * x / self.period + self.phase)
     }
 }
 
@@ -53,7 +53,7 @@ impl LocalDefect {
             return 0.0;
         }
         let distance = (x_m - self.centre_m) / self.width_m;
-        self.height_m * (-0.5 * distance * distance).exp()
+        self.height_m * libm::exp(-0.5 * distance * distance)
     }
 }
 
@@ -164,7 +164,7 @@ impl Mechanics {
     /// (C + S·exp(−(v/vs)²))·tanh(v/v0).
     fn motor_friction_n(&self, v: f64) -> f64 {
         let stribeck_n = decaying(self.motor_stribeck_n, v / self.motor_stribeck_m_per_s);
-        (self.motor_coulomb_n + stribeck_n) * (v / MOTOR_FRICTION_M_PER_S).tanh()
+        (self.motor_coulomb_n + stribeck_n) * libm::tanh(v / MOTOR_FRICTION_M_PER_S)
     }
 
     /// Position of the table that the screw sets, without strain.
@@ -197,7 +197,7 @@ impl Mechanics {
         if self.warm_up_n == 0.0 {
             level_n
         } else {
-            level_n + self.warm_up_n * (-state.time_s / self.warm_up_s).exp()
+            level_n + self.warm_up_n * libm::exp(-state.time_s / self.warm_up_s)
         }
     }
 
@@ -217,5 +217,5 @@ impl Mechanics {
 
 /// excess·exp(−ratio²); 0 for an excess of 0, where the ratio may be undefined.
 fn decaying(excess: f64, ratio: f64) -> f64 {
-    if excess == 0.0 { 0.0 } else { excess * (-ratio.powi(2)).exp() }
+    if excess == 0.0 { 0.0 } else { excess * libm::exp(-ratio.powi(2)) }
 }

@@ -21,7 +21,8 @@ impl Scale {
     /// Reading at a position of the table and a time on the clock of the session, m.
     #[must_use]
     pub fn reading_m(&self, table_m: f64, time_s: f64) -> f64 {
-        let grown = if self.growth == 0.0 { 0.0 } else { self.growth * -(-time_s / self.growth_s).exp_m1() };
+        let grown =
+            if self.growth == 0.0 { 0.0 } else { self.growth * -libm::expm1(-time_s / self.growth_s) };
         table_m * (1.0 + self.gain - grown) + self.wave.at(table_m) + self.hum.at(time_s)
     }
 }

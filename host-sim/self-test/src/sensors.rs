@@ -21,7 +21,7 @@ impl Sensor {
     /// Standard deviation of noise and rounding together: √(σ² + q²/12), mm or N.
     #[must_use]
     pub fn deviation(self) -> f64 {
-        self.noise.hypot(1.0 / (self.steps_per_unit * 12_f64.sqrt()))
+        libm::hypot(self.noise, 1.0 / (self.steps_per_unit * 12_f64.sqrt()))
     }
 }
 

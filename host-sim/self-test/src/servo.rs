@@ -158,7 +158,7 @@ impl Servo {
         if self.settings.velocity_filter_s == 0.0 {
             return speed;
         }
-        let kept = (-VELOCITY_TICK_S / self.settings.velocity_filter_s).exp();
+        let kept = libm::exp(-VELOCITY_TICK_S / self.settings.velocity_filter_s);
         self.filtered_speed = speed + kept * (self.filtered_speed - speed);
         self.filtered_speed
     }

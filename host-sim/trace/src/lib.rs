@@ -17,6 +17,8 @@
 //! upstream of the stage, [`data_faults`], [`analysis`] of residuals, the removal of effects from a model ([`dropped`]),
 //! thresholds ([`options`]).
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod admit;
 pub mod analysis;
 pub mod data_faults;

@@ -19,6 +19,8 @@
 //! - [`grid`], [`beckhoff`], [`linuxcnc`]: the files
 //! - [`text`]: the result for a terminal
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod analysis;
 pub mod axis_table;
 pub mod beckhoff;

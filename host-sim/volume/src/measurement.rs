@@ -169,7 +169,7 @@ fn of_sector(
     centre_mm: [f64; 3],
     radius_mm: f64,
 ) -> Vec<(Row, [f64; 4])> {
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = libm::sincos(*angle);
     let mut at_mm = centre_mm;
     at_mm[plane[0] as usize] += radius_mm * cos;
     at_mm[plane[1] as usize] += radius_mm * sin;

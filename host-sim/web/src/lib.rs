@@ -13,6 +13,8 @@
 //! A request is answered by a function of its bytes alone: no state is kept between requests, and no data are sent anywhere. The page and
 //! its scripts are in `page/`; `lost-motion app` joins them with this crate as WebAssembly in one file.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod circle_alone;
 pub mod compensation;
 pub mod interface;

@@ -90,7 +90,7 @@ fn friction_map(parameters: &AxisParameters, travel_m: [f64; 2]) -> Option<Point
 fn warm_up(parameters: &AxisParameters, start_s: f64) -> Option<FrictionWarmUp> {
     let warm_up = &parameters.friction.warm_up;
     warm_up.changes().then(|| FrictionWarmUp {
-        force_n: warm_up.force_n * (-start_s / warm_up.time_constant_s).exp(),
+        force_n: warm_up.force_n * libm::exp(-start_s / warm_up.time_constant_s),
         time_constant_s: warm_up.time_constant_s,
     })
 }

@@ -56,7 +56,7 @@ struct Filter {
 
 impl Filter {
     fn new(frequency_hz: f64, tick_s: f64, k: f64, notch: Option<f64>) -> Self {
-        let g = (PI * frequency_hz * tick_s).tan();
+        let g = libm::tan(PI * frequency_hz * tick_s);
         let a1 = 1.0 / (1.0 + g * (g + k));
         Self { a1, a2: g * a1, a3: g * g * a1, notch }
     }
@@ -218,7 +218,7 @@ impl LinearAxis {
             Sensors::Motor { .. } => (motor, 0.0),
             Sensors::Table(_) => (table, 0.0),
             Sensors::Dual { time_constant_s, .. } => {
-                let fraction = -(-self.position_tick_s() / time_constant_s).exp_m1();
+                let fraction = -libm::expm1(-self.position_tick_s() / time_constant_s);
                 let shift = shift + fraction * (table - motor - shift);
                 (motor + shift, shift)
             }
@@ -231,8 +231,8 @@ impl LinearAxis {
             return (error, [0.0; 2]);
         }
         let x = self.position_gain_per_s * self.position_tick_s();
-        let (root7, decay) = (7f64.sqrt(), (-3.0 * x).exp());
-        let (c, s) = ((root7 * x).cos(), (root7 * x).sin() / root7);
+        let (root7, decay) = (7f64.sqrt(), libm::exp(-3.0 * x));
+        let (c, s) = (libm::cos(root7 * x), libm::sin(root7 * x) / root7);
         let off = y - error;
         let next = [
             y + (decay * (c + 3.0 * s) - 1.0) * off + decay * s * w,

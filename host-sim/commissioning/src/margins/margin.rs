@@ -62,15 +62,18 @@ impl Margins {
                 && response.re < 0.0
                 && response.im.abs() < 1e-3 * response.re.abs()
             {
-                smaller(&mut gain_db, At { value: (20.0 * response.norm().log10()).abs(), hz: hz(angle) });
+                smaller(
+                    &mut gain_db,
+                    At { value: (20.0 * libm::log10(response.norm())).abs(), hz: hz(angle) },
+                );
             }
-            if let Some((angle, response)) = crossing(open, ends, |response| response.norm().ln()) {
+            if let Some((angle, response)) = crossing(open, ends, |response| libm::log(response.norm())) {
                 smaller(&mut phase_deg, At { value: (-response).arg().abs().to_degrees(), hz: hz(angle) });
             }
         }
         // At half the sample rate every response is real.
         if let Some(&(angle, response)) = responses.last().filter(|(_, response)| response.re < 0.0) {
-            smaller(&mut gain_db, At { value: (20.0 * response.norm().log10()).abs(), hz: hz(angle) });
+            smaller(&mut gain_db, At { value: (20.0 * libm::log10(response.norm())).abs(), hz: hz(angle) });
         }
         Self { is_stable: true, gain_db, phase_deg }
     }
@@ -97,7 +100,7 @@ fn is_stable(poles: &[Complex<f64>], is_velocity: bool) -> bool {
 fn grid(poles: &[Complex<f64>]) -> Vec<f64> {
     /// Distances from a resonance, in widths.
     const WIDTHS: [f64; 8] = [0.1, 0.3, 0.6, 1.0, 1.5, 2.5, 5.0, 10.0];
-    let step = 10f64.powf(1.0 / PER_DECADE);
+    let step = libm::pow(10f64, 1.0 / PER_DECADE);
     let mut angles: Vec<f64> = std::iter::successors(Some(LOWEST_ANGLE), |angle| Some(angle * step))
         .take_while(|angle| *angle < PI)
         .collect();

@@ -129,7 +129,7 @@ impl Prediction {
     #[must_use]
     pub fn range_um(&self, after_um: f64) -> [f64; 2] {
         let bound = 0.01 * self.bound_percent;
-        [(1.0 - bound) * after_um, (1.0 + bound) * after_um.hypot(self.unexplained_um)]
+        [(1.0 - bound) * after_um, (1.0 + bound) * libm::hypot(after_um, self.unexplained_um)]
     }
 
     /// The first key whose value is not possible, and what was expected of it.

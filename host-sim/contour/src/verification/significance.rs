@@ -47,7 +47,7 @@ pub fn is_larger(before: &ContourError, after: &ContourError) -> bool {
 
 fn is_significant(before: &ContourError, after: &ContourError) -> bool {
     let difference = (after.mean_square_um2() - before.mean_square_um2()).abs();
-    let standard_error = mean_square_standard_error(before).hypot(mean_square_standard_error(after));
+    let standard_error = libm::hypot(mean_square_standard_error(before), mean_square_standard_error(after));
     difference > MIN_STANDARD_ERRORS * standard_error
 }
 

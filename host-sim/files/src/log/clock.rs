@@ -36,7 +36,7 @@ pub(super) fn sample_time_s(times_s: &[f64], decimals: usize) -> Result<f64, Irr
     let tolerance_s = STEP_TOLERANCE * median_s;
     let deviates = |step_s: &f64, tolerance_s: f64| (step_s - median_s).abs() > tolerance_s;
     let is_rounded = steps.iter().filter(|step| deviates(step, tolerance_s)).count() >= MIN_ROUNDED_STEPS;
-    let resolution_s = 0.1_f64.powf(decimals as f64);
+    let resolution_s = libm::pow(0.1_f64, decimals as f64);
     let rounding_s = if is_rounded { resolution_s.min(MAX_ROUNDING * median_s) } else { 0.0 };
     if let Some(step) = steps.iter().position(|step| deviates(step, tolerance_s + rounding_s)) {
         return Err(irregular(step, false));

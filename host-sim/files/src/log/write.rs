@@ -43,7 +43,7 @@ impl Log {
     fn time_decimals(&self) -> usize {
         let fraction = |units: f64| (units - units.round()).abs();
         let is_enough = |decimals: &usize| {
-            let units_per_s = 10_f64.powf(*decimals as f64);
+            let units_per_s = libm::pow(10_f64, *decimals as f64);
             let step = self.sample_time_s * units_per_s;
             // The tolerance of the sample time is smaller, as its error accumulates over the log.
             step > 0.5 && fraction(step) < 1e-8 && fraction(self.start_s * units_per_s) < 1e-3

@@ -43,7 +43,7 @@ impl FrictionMemory {
     /// Fraction 1 − exp(−step/τ) of the difference |v| − m by which m changes in a step.
     #[must_use]
     pub fn share(&self, step_s: f64) -> f64 {
-        if self.remembers() { -(-step_s / self.time_constant_s).exp_m1() } else { 0.0 }
+        if self.remembers() { -libm::expm1(-step_s / self.time_constant_s) } else { 0.0 }
     }
 }
 

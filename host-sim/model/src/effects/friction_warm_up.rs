@@ -37,7 +37,7 @@ impl FrictionWarmUp {
     #[must_use]
     #[inline]
     pub fn rise_n(&self, time_s: f64) -> f64 {
-        self.force_n * (-time_s / self.time_constant_s).exp()
+        self.force_n * libm::exp(-time_s / self.time_constant_s)
     }
 }
 

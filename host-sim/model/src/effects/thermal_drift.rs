@@ -22,7 +22,7 @@ impl ThermalDrift {
     /// Tool − table, m, at a time on the session clock.
     #[must_use]
     pub fn offset_m(&self, time_s: f64) -> f64 {
-        -1e-6 * self.amplitude_um * (-time_s / self.time_constant_s).exp_m1()
+        -1e-6 * self.amplitude_um * libm::expm1(-time_s / self.time_constant_s)
     }
 }
 

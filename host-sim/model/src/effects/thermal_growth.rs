@@ -32,7 +32,7 @@ pub struct ThermalGrowth {
 impl ThermalGrowth {
     /// Growth over a distance, m, until a time of the session (s).
     fn over_m(&self, table_m: f64, time_s: f64) -> f64 {
-        -1e-6 * self.um_per_m * (-time_s / self.time_constant_s).exp_m1() * table_m
+        -1e-6 * self.um_per_m * libm::expm1(-time_s / self.time_constant_s) * table_m
     }
 
     /// Change of the scale's reading at a position of the table without growth, m, at a time of the session (s).

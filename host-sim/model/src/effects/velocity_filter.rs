@@ -36,7 +36,7 @@ impl VelocityFilter {
     /// The filter with a mean age of the velocity, in periods of the loop, which are of this length: the inverse of
     /// [`Self::exceeds_tolerance`]'s equation.
     fn of_age(age: f64, tick_ms: f64) -> Self {
-        Self { time_constant_ms: tick_ms / ((1.0 + age) / age).ln() }
+        Self { time_constant_ms: tick_ms / libm::log((1.0 + age) / age) }
     }
 }
 
@@ -73,7 +73,7 @@ impl EffectModel for VelocityFilter {
     /// Mean age T·q/(1 − q) with q = e^(−T/τ), from which the filter is told from a mean of two readings, which is half a period T
     /// old: that is a [`super::VelocityLag`].
     fn exceeds_tolerance(&self, _declared: &Settings, rates: Rates) -> bool {
-        let left = (-1.0 / (rates.velocity_loop_hz * self.time_constant_s())).exp();
+        let left = libm::exp(-1.0 / (rates.velocity_loop_hz * self.time_constant_s()));
         left / (1.0 - left) > MIN_AGE
     }
 

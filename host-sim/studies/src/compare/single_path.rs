@@ -74,7 +74,7 @@ impl SinglePath {
                 let diameter = 2.0 * f64::from(radius);
                 let x = chord / diameter;
                 // asin x: for the steps of a tick two terms are exact to 3/40·x⁴ < 1e-9, far below f32.
-                if x < 1e-2 { chord * (1.0 + x * x / 6.0) } else { diameter * x.asin() }
+                if x < 1e-2 { chord * (1.0 + x * x / 6.0) } else { diameter * libm::asin(x) }
             }
             _ => chord,
         }
@@ -105,7 +105,7 @@ impl SinglePath {
                     self.distance -= circumference;
                     self.turns = self.turns.wrapping_add(1);
                 }
-                let (sine, cosine) = (angle + sense * self.distance / radius).sin_cos();
+                let (sine, cosine) = libm::sincosf(angle + sense * self.distance / radius);
                 [centre[0] + radius * cosine, centre[1] + radius * sine]
             }
         }
@@ -120,7 +120,7 @@ fn circle(from: [f64; AXES], centre: [f64; AXES], sense: f64) -> Shape {
     Shape::Circle {
         centre: centre.map(|m| m as f32),
         radius: radius as f32,
-        angle: y.atan2(x) as f32,
+        angle: libm::atan2(y, x) as f32,
         sense: sense as f32,
         circumference: (std::f64::consts::TAU * radius) as f32,
     }

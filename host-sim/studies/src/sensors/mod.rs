@@ -169,7 +169,7 @@ fn curve(
     let ratio = (highest_per_s / LOWEST_GAIN_PER_S).max(1.0);
     let point = |index: usize| {
         let share = index as f64 / (CURVE_POINTS - 1) as f64;
-        let gain_per_s = LOWEST_GAIN_PER_S * ratio.powf(share);
+        let gain_per_s = LOWEST_GAIN_PER_S * libm::pow(ratio, share);
         let mut machine = machine.clone();
         for axis in machine.axis.values_mut() {
             axis.settings.controller.position_gain_per_s = Some(gain_per_s);

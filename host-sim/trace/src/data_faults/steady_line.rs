@@ -37,20 +37,20 @@ impl Line {
     /// √(a² + b²).
     #[must_use]
     pub fn amplitude(&self) -> f64 {
-        self.parts[0].hypot(self.parts[1])
+        libm::hypot(self.parts[0], self.parts[1])
     }
 
     /// Whether another line of this frequency has the same amplitude and phase.
     #[must_use]
     pub fn agrees(&self, [a, b]: [f64; 2]) -> bool {
-        (a - self.parts[0]).hypot(b - self.parts[1]) <= MAX_DEVIATION * self.amplitude()
+        libm::hypot(a - self.parts[0], b - self.parts[1]) <= MAX_DEVIATION * self.amplitude()
     }
 
     /// Subtracts the oscillation from a piece of a log.
     pub fn subtract_from(&self, values: &mut [f64], sample_s: f64) {
         let step = std::f64::consts::TAU * self.frequency_hz * sample_s;
         for (i, value) in values.iter_mut().enumerate() {
-            let (sin, cos) = (step * i as f64).sin_cos();
+            let (sin, cos) = libm::sincos(step * i as f64);
             *value -= self.parts[0] * cos + self.parts[1] * sin;
         }
     }
@@ -58,7 +58,7 @@ impl Line {
 
 /// Hann's window.
 fn window(i: usize, count: usize) -> f64 {
-    (std::f64::consts::PI * (i as f64 + 0.5) / count as f64).sin().powi(2)
+    libm::sin(std::f64::consts::PI * (i as f64 + 0.5) / count as f64).powi(2)
 }
 
 /// A piece of a signal, in which a line is sought beside other terms.
@@ -103,7 +103,7 @@ impl<'a> Signal<'a> {
         let step = std::f64::consts::TAU * frequency_hz * self.sample_s;
         let count = self.terms.len() + 3;
         let row = |i: usize| {
-            let (sin, cos) = (step * (self.first + i) as f64).sin_cos();
+            let (sin, cos) = libm::sincos(step * (self.first + i) as f64);
             let terms = self.terms.iter().map(|term| term[i]);
             DVector::from_iterator(count, [cos, sin, 1.0].into_iter().chain(terms))
         };
@@ -143,7 +143,7 @@ fn weighted(rows: &[DVector<f64>], values: &[f64], weights: &[f64]) -> Option<DV
 #[must_use]
 pub fn refined_hz(signal: &Signal<'_>, about_hz: f64) -> f64 {
     let resolution_hz = 1.0 / (signal.values.len() as f64 * signal.sample_s);
-    let amplitude = |hz: f64| signal.line(hz, 1).map_or(0.0, |[a, b]| a.hypot(b));
+    let amplitude = |hz: f64| signal.line(hz, 1).map_or(0.0, |[a, b]| libm::hypot(a, b));
     let (mut low, mut high) = (about_hz - resolution_hz, about_hz + resolution_hz);
     while high - low > 0.01 * resolution_hz {
         let third = (high - low) / 3.0;

@@ -48,7 +48,7 @@ impl Bump {
     /// Its height at a position, as a fraction of that at the centre.
     #[must_use]
     pub fn at(&self, position_mm: f64) -> f64 {
-        (-0.5 * ((position_mm - self.centre_mm) / self.width_mm).powi(2)).exp()
+        libm::exp(-0.5 * ((position_mm - self.centre_mm) / self.width_mm).powi(2))
     }
 }
 
@@ -81,7 +81,7 @@ impl Exclusion {
 /// Subtracts the least-squares sine (amplitude and phase) with a phase step of `step_rad` per sample from the values that
 /// count.
 pub fn subtract_sine(values: &mut [f64], counts: &[bool], step_rad: f64) {
-    let waves = || counts.iter().enumerate().map(|(i, counts)| (*counts, (step_rad * i as f64).sin_cos()));
+    let waves = || counts.iter().enumerate().map(|(i, counts)| (*counts, libm::sincos(step_rad * i as f64)));
     let mut sums = [0.0; 5];
     for ((counts, (sin, cos)), value) in waves().zip(values.iter()) {
         if counts {

@@ -143,7 +143,7 @@ impl Covariance {
         let variance: f64 =
             indices.iter().flat_map(|&i| indices.iter().map(move |&j| self.matrix[(i, j)])).sum();
         let shift: f64 = indices.iter().map(|&i| self.bias_shift[i]).sum();
-        (student_t_975(self.degrees_of_freedom) * variance.max(0.0).sqrt()).hypot(shift)
+        libm::hypot(student_t_975(self.degrees_of_freedom) * variance.max(0.0).sqrt(), shift)
     }
 }
 
@@ -171,7 +171,7 @@ pub fn half_widths(effect: &Effect, covariance: &Covariance, indices: Range<usiz
     let of_parameters = &jacobian * of_effect * jacobian.transpose();
     let shifts = &jacobian * covariance.bias_shift.rows(indices.start, indices.len());
     let t = student_t_975(covariance.degrees_of_freedom);
-    let both = |(variance, shift): (&f64, &f64)| (t * variance.max(0.0).sqrt()).hypot(*shift);
+    let both = |(variance, shift): (&f64, &f64)| libm::hypot(t * variance.max(0.0).sqrt(), *shift);
     of_parameters.diagonal().iter().zip(&shifts).map(both).collect()
 }
 

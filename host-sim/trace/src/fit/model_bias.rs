@@ -120,5 +120,5 @@ pub fn is_less(data: &FitData<'_>, residuals: [&[ResidualSeries]; 2], scope: &Sc
 /// Sum over a scope's stages of the logarithm of their residual's rms.
 #[must_use]
 pub fn log_rms(data: &FitData<'_>, residuals: &[ResidualSeries], scope: &Scope) -> f64 {
-    scope.stages.iter().map(|&stage| data.rms(residuals, stage).max(1e-12).ln()).sum()
+    scope.stages.iter().map(|&stage| libm::log(data.rms(residuals, stage).max(1e-12))).sum()
 }

@@ -273,17 +273,19 @@ impl FitData<'_> {
         let position = |smooth: &Option<Smooth>| 1e6 * of(smooth, |smooth| smooth.value_noise);
         match stage {
             Stage::Motor => 1e6 * of(&signals.motor, |motor| motor.noise),
-            Stage::Table => position(&signals.table).hypot(position(&signals.motor)),
+            Stage::Table => libm::hypot(position(&signals.table), position(&signals.motor)),
             Stage::Tool => {
                 let table = if signals.table.is_some() { &signals.table } else { &signals.motor };
-                position(&signals.tool).hypot(position(table))
+                libm::hypot(position(&signals.tool), position(table))
             }
             Stage::Force => {
                 let axis = &model.axis.settings;
                 let mass = if axis.is_rigid() { axis.mechanics.table_mass_kg.unwrap_or(0.0) } else { 0.0 }
                     + axis.mechanics.motor_mass_kg.unwrap_or(0.0);
-                of(&signals.force, |force| force.value_noise)
-                    .hypot(mass * of(&signals.motor, |motor| motor.acceleration_noise))
+                libm::hypot(
+                    of(&signals.force, |force| force.value_noise),
+                    mass * of(&signals.motor, |motor| motor.acceleration_noise),
+                )
             }
         }
     }

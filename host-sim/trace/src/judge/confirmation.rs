@@ -168,7 +168,7 @@ fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -
             let has_many = effect.coordinates().len() >= MANY_COORDINATES;
             let loss = loss.or_else(|| {
                 (has_many && after.validate > before.validate)
-                    .then(|| (before.validate / after.validate).ln())
+                    .then(|| libm::log(before.validate / after.validate))
             });
             let half_widths = axis.full_half_widths(fit_data, index);
             let effect = effect.clone();

@@ -76,7 +76,7 @@ fn gain(cells: &[Cell], left_out: Option<(usize, usize)>) -> f64 {
         |stage| logs.iter().filter(move |log| log.stage == stage).map(|log| log.samples).sum::<usize>();
     let of_log = |log: &Cell| {
         let [without, with] = log.squares.map(|squares| squares.max(f64::MIN_POSITIVE));
-        0.5 * (without / with).ln() * log.samples as f64 / of_stage(log.stage) as f64
+        0.5 * libm::log(without / with) * log.samples as f64 / of_stage(log.stage) as f64
     };
     logs.iter().map(of_log).sum()
 }

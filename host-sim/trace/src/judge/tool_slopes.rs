@@ -34,7 +34,10 @@ impl Slope {
     /// The difference of two slopes that were determined independently.
     #[must_use]
     pub fn less(self, other: Self) -> Self {
-        Self { um_per_m: self.um_per_m - other.um_per_m, half_width: self.half_width.hypot(other.half_width) }
+        Self {
+            um_per_m: self.um_per_m - other.um_per_m,
+            half_width: libm::hypot(self.half_width, other.half_width),
+        }
     }
 }
 

@@ -63,7 +63,7 @@ struct Filter {
 
 impl Filter {
     fn new(time_constant_s: f64, tick_s: f64, start_m: f64, velocity: f64) -> Self {
-        let left = (-tick_s / time_constant_s).exp();
+        let left = libm::exp(-tick_s / time_constant_s);
         let behind_m = -left / (1.0 - left) * velocity * tick_s;
         Self { left, last_m: start_m - velocity * tick_s, behind_m, first_behind_m: behind_m }
     }

@@ -75,7 +75,7 @@ impl ForceSampling {
         let in_sample = acceleration_before(age_in_sample);
         let late =
             (self.delay > 0.0).then(|| (self.changes(force_n), acceleration_before(age_between_samples)));
-        let (ahead, low_pass) = (self.ahead_s / self.integral_s, -(-sample_s / self.integral_s).exp_m1());
+        let (ahead, low_pass) = (self.ahead_s / self.integral_s, -libm::expm1(-sample_s / self.integral_s));
         let mut of_integral_n = force_n.first().copied().unwrap_or(0.0);
         for (i, force_n) in force_n.iter_mut().enumerate() {
             let before_n = of_integral_n;

@@ -85,7 +85,7 @@ impl Axis {
     /// The drive with a constant command (m/s) for a time (s): its integral by steps, its lag exactly within each.
     fn advance(&mut self, command: f64, time_s: f64) {
         let step_s = time_s / STEPS as f64;
-        let left = (-step_s / self.time_constant_s).exp();
+        let left = libm::exp(-step_s / self.time_constant_s);
         for _ in 0..STEPS {
             self.direction = friction_direction::after(self.direction, self.velocity * step_s, DRIVE_SLIP_M);
             // The velocity that the drive approaches.

@@ -78,7 +78,7 @@ impl Candidate {
                 && is_significant(c)
                 && c.folds_better == FOLDS
         };
-        let loss = |c: &Comparison| 0.5 * (1.0 - worst_log(c).min(0.0)).ln();
+        let loss = |c: &Comparison| 0.5 * libm::log(1.0 - worst_log(c).min(0.0));
         let tolerable = options.tolerable_loss(self.gain);
         self.exceeds_tolerance
             && self.comparison.iter().any(is_better)
@@ -157,7 +157,7 @@ fn screen(data: &FitData<'_>, reference: Reference<'_>, scope: &Scope, effect: E
             .map(|b| b.squares + 2.0 * b.gradient.dot(&step) + step.dot(&(&b.curvature * &step)))
             .sum::<f64>()
     };
-    let gain = scope.stages.iter().map(|&s| 0.5 * (base.squares(s) / after(s).max(1e-9)).ln()).sum();
+    let gain = scope.stages.iter().map(|&s| 0.5 * libm::log(base.squares(s) / after(s).max(1e-9))).sum();
     // A full fit starts from the origin with the effect after the step.
     moved.rows_mut(0, shared).copy_from(&start.rows(0, shared));
     let effect = model.at(scope, moved.as_slice()).axis.effect.last().cloned().unwrap_or(effect);

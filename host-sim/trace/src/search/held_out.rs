@@ -135,7 +135,7 @@ fn compare_stage(first: &[Score], second: &[Score], stage: Stage, options: &Sear
     };
     let reductions: Vec<f64> = pairs.iter().map(|(a, b)| reduction(a, b)).collect();
     let of_block = |(a, b): &(&Score, &Score)| {
-        0.5 * (a.squares.max(f64::MIN_POSITIVE) / b.squares.max(f64::MIN_POSITIVE)).ln()
+        0.5 * libm::log(a.squares.max(f64::MIN_POSITIVE) / b.squares.max(f64::MIN_POSITIVE))
     };
     let gains: Vec<f64> =
         pairs.iter().filter(|(a, _)| a.samples >= options.min_block_samples).map(of_block).collect();
@@ -147,7 +147,7 @@ fn compare_stage(first: &[Score], second: &[Score], stage: Stage, options: &Sear
     let used = || logs.iter().filter(|log| log.samples > 0);
     let gain_of = |log: &OfLog| {
         let ratio = log.before.max(f64::MIN_POSITIVE) / log.after.max(f64::MIN_POSITIVE);
-        0.5 * ratio.ln() * log.samples as f64 / total
+        0.5 * libm::log(ratio) * log.samples as f64 / total
     };
     let reduced = |before: f64, after: f64| 1.0 - after / before.max(f64::MIN_POSITIVE);
     let fitted_reduction = |log: &OfLog| reduced(log.fitted[0], log.fitted[1]) * log.samples as f64 / total;

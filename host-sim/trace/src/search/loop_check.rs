@@ -56,7 +56,7 @@ impl LoopCheck<'_> {
             self.data.rms(&residuals[log..=log], Stage::Motor).max(1e-12)
         };
         let logs = before.len();
-        let loss = (0..logs).map(|log| (of_log(&after, log) / of_log(&before, log)).ln()).sum::<f64>();
+        let loss = (0..logs).map(|log| libm::log(of_log(&after, log) / of_log(&before, log))).sum::<f64>();
         Some(loss / logs.max(1) as f64)
     }
 

@@ -68,7 +68,8 @@ pub fn waves(of: WaveOf, samples: &[Sample], travel_mm: [f64; 2], min_share: f64
             bin.mean -= wave.value(bin.position_mm);
         }
         remove_shape(&mut bins);
-        let (amplitude, phase_rad) = (wave.sine.hypot(wave.cosine), wave.cosine.atan2(wave.sine));
+        let (amplitude, phase_rad) =
+            (libm::hypot(wave.sine, wave.cosine), libm::atan2(wave.cosine, wave.sine));
         waves.push(ResidualWave { of, period_mm: 1.0 / frequency, amplitude, phase_rad });
     }
     waves
@@ -137,7 +138,7 @@ impl Wave {
     fn of(bins: &[Bin], frequency: f64) -> Self {
         let mut sums = Sums::default();
         for bin in bins {
-            let (sine, cosine) = (TAU * frequency * bin.position_mm).sin_cos();
+            let (sine, cosine) = libm::sincos(TAU * frequency * bin.position_mm);
             sums.add(bin, sine, cosine);
         }
         let [sine, cosine] = sums.solution();
@@ -145,7 +146,7 @@ impl Wave {
     }
 
     fn value(&self, position_mm: f64) -> f64 {
-        let (sine, cosine) = (TAU * self.frequency * position_mm).sin_cos();
+        let (sine, cosine) = libm::sincos(TAU * self.frequency * position_mm);
         self.sine * sine + self.cosine * cosine
     }
 }
@@ -206,7 +207,7 @@ impl Sums {
 /// The frequency of the grid with the strongest wave, 1/mm.
 fn strongest(bins: &[Bin], lowest: f64, highest: f64, step: f64) -> f64 {
     // Sine and cosine of each bin advance from one frequency to the next by a rotation.
-    let sin_cos = |frequency: f64| move |bin: &Bin| (TAU * frequency * bin.position_mm).sin_cos();
+    let sin_cos = |frequency: f64| move |bin: &Bin| libm::sincos(TAU * frequency * bin.position_mm);
     let mut phases: Vec<(f64, f64)> = bins.iter().map(sin_cos(lowest)).collect();
     let rotations: Vec<(f64, f64)> = bins.iter().map(sin_cos(step)).collect();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousands")]

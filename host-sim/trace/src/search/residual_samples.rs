@@ -72,10 +72,10 @@ pub(super) mod tests {
 
     /// 6000 samples in three folds, each of which moves back and forth over 150 mm.
     pub fn moved(residual: impl Fn(f64, f64) -> f64) -> Vec<Sample> {
-        let noise = |i: u32| 0.1 * (f64::from(i) * 12.9898).sin();
+        let noise = |i: u32| 0.1 * libm::sin(f64::from(i) * 12.9898);
         let sample = |i: u32| {
             let angle = f64::from(i) * std::f64::consts::TAU / 1000.0;
-            let (position_mm, direction) = (75.0 * angle.sin(), 1.0f64.copysign(angle.cos()));
+            let (position_mm, direction) = (75.0 * libm::sin(angle), 1.0f64.copysign(libm::cos(angle)));
             let residual = residual(position_mm, direction) + noise(i);
             Sample { position_mm, direction, residual, fold: (i / 2000) as usize }
         };

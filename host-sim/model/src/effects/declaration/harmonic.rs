@@ -7,7 +7,7 @@ use super::{Coordinate, EffectContext, Found, WaveOf};
 /// sin(2π·position/period + phase).
 #[must_use]
 pub fn wave(position_mm: f64, period_mm: f64, phase_rad: f64) -> f64 {
-    (TAU * position_mm / period_mm + phase_rad).sin()
+    libm::sin(TAU * position_mm / period_mm + phase_rad)
 }
 
 /// A periodic error of a position: amplitude·sin(2π·position/period + phase).
@@ -136,15 +136,15 @@ pub fn period(period_mm: f64, [lower, upper]: [f64; 2]) -> Coordinate {
 #[must_use]
 pub fn parts(amplitude: f64, phase_rad: f64, step: f64, limit: f64) -> Vec<Coordinate> {
     vec![
-        Coordinate::signed(amplitude * phase_rad.cos(), step, limit),
-        Coordinate::signed(amplitude * phase_rad.sin(), step, limit),
+        Coordinate::signed(amplitude * libm::cos(phase_rad), step, limit),
+        Coordinate::signed(amplitude * libm::sin(phase_rad), step, limit),
     ]
 }
 
 /// Amplitude (not negative) and phase (−π to π) of the coefficients of [`parts`].
 #[must_use]
 pub fn polar(parts: &[f64]) -> (f64, f64) {
-    (parts[0].hypot(parts[1]), parts[1].atan2(parts[0]))
+    (libm::hypot(parts[0], parts[1]), libm::atan2(parts[1], parts[0]))
 }
 
 /// Items of [`EffectModel`](super::EffectModel) that are the same for all harmonic effects: the parameters (amplitude in

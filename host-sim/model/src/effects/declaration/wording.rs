@@ -57,7 +57,7 @@ impl Wording {
         let by_value = |a: &usize, b: &usize| self.values[*a].total_cmp(&self.values[*b]);
         let ends = list.clone().min_by(by_value).zip(list.max_by(by_value));
         ends.map_or_else(String::new, |(least, greatest)| {
-            let half_width = self.half_width(least).hypot(self.half_width(greatest));
+            let half_width = libm::hypot(self.half_width(least), self.half_width(greatest));
             let size = with_spread(self.values[greatest] - self.values[least], half_width);
             self.parameters[least].unit.with(&size, self.is_rotary)
         })

@@ -89,7 +89,7 @@ impl CircleRecord {
         let mut angle = 0.0;
         let mut last = 0.0;
         let unwrapped = |row: &Row| {
-            let now = row.scale_m[q].atan2(row.scale_m[p]);
+            let now = libm::atan2(row.scale_m[q], row.scale_m[p]);
             angle += numerics::wrapped(now - last, TAU);
             last = now;
             angle
@@ -110,7 +110,7 @@ impl CircleRecord {
             radius_m: 0.0,
         };
         record.subtract_means();
-        let radius = |row: &Row| row.scale_m[p].hypot(row.scale_m[q]);
+        let radius = |row: &Row| libm::hypot(row.scale_m[p], row.scale_m[q]);
         record.radius_m = numerics::mean(record.rows.iter().map(radius));
         let centripetal = record.centripetal_m_per_s2();
         let set = |row: &Row| [p, q].map(|axis| -centripetal * row.scale_m[axis] / radius(row));

@@ -40,7 +40,7 @@ impl Candidate {
     /// Whether the factor is identifiable: at a limit of the search no reading depends on it.
     #[must_use]
     pub fn is_identifiable(&self) -> bool {
-        self.factor.ln().abs() < -0.99 * MIN_FACTOR.ln()
+        libm::log(self.factor).abs() < -0.99 * libm::log(MIN_FACTOR)
     }
 }
 
@@ -57,11 +57,11 @@ pub fn candidates(
     let mut all = Vec::new();
     for (part, name) in PARTS {
         let error = |log_factor: f64, measured: &Measured| {
-            let assembly = Assembly::of(&catalogue.scaled(part, log_factor.exp()))?;
+            let assembly = Assembly::of(&catalogue.scaled(part, libm::exp(log_factor)))?;
             Ok::<f64, StructureError>(rms_error(measured, &assembly.talk_at(measured.rad_per_s)?, weights))
         };
-        let best = minimum(MIN_FACTOR.ln(), -MIN_FACTOR.ln(), |at| error(at, fit))?;
-        all.push(Candidate { part, name, factor: best.exp(), residual: error(best, validation)? });
+        let best = minimum(libm::log(MIN_FACTOR), -libm::log(MIN_FACTOR), |at| error(at, fit))?;
+        all.push(Candidate { part, name, factor: libm::exp(best), residual: error(best, validation)? });
     }
     all.sort_by(|a, b| a.residual.total_cmp(&b.residual));
     Ok(all)

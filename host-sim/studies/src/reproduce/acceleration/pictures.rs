@@ -100,8 +100,8 @@ fn ellipse(experiment: &Experiment) -> Picture {
     let mut sums = vec![(0.0, 0.0); SECTORS];
     for (row, a) in circles.iter().flat_map(|circle| circle.rows.iter().zip(&circle.acceleration)) {
         // The acceleration points towards the centre.
-        let (cos, sin) = (-a[0] / a[0].hypot(a[1]), -a[1] / a[0].hypot(a[1]));
-        let turned = sin.atan2(cos).rem_euclid(TAU) / TAU * SECTORS as f64;
+        let (cos, sin) = (-a[0] / libm::hypot(a[0], a[1]), -a[1] / libm::hypot(a[0], a[1]));
+        let turned = libm::atan2(sin, cos).rem_euclid(TAU) / TAU * SECTORS as f64;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to SECTORS")]
         let sector = (turned.round() as usize) % SECTORS;
         sums[sector].0 += 1e6 * (row.error_m(Z) * cos + row.error_m(X) * sin);
@@ -114,7 +114,7 @@ fn ellipse(experiment: &Experiment) -> Picture {
     let modelled = |talk: &Talk| -> Vec<(f64, f64)> {
         let e = &talk.tool_um_s2_per_m;
         let radial = |angle: f64| {
-            let (sin, cos) = angle.sin_cos();
+            let (sin, cos) = libm::sincos(angle);
             let z = e[(Z, Z)] * cos + e[(Z, X)] * sin;
             let x = e[(X, Z)] * cos + e[(X, X)] * sin;
             -reached * (z * cos + x * sin)

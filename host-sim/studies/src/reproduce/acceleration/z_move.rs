@@ -38,7 +38,7 @@ pub type Peaks = Limits;
 /// Peaks of a movement over a distance (m) with only the jerk limited: a = ∛(s·j²/2), v = a²/j.
 #[must_use]
 pub fn jerk_limited_peaks(distance_m: f64, jerk_m_per_s3: f64) -> Peaks {
-    let acceleration = (0.5 * distance_m * jerk_m_per_s3.powi(2)).cbrt();
+    let acceleration = libm::cbrt(0.5 * distance_m * jerk_m_per_s3.powi(2));
     Peaks {
         speed_m_per_s: acceleration.powi(2) / jerk_m_per_s3,
         acceleration_m_per_s2: acceleration,

@@ -36,7 +36,7 @@ pub fn overshoot_m(track: &Track, window: &Range<usize>) -> f64 {
 /// Rounding, m: minimum distance from the corner.
 #[must_use]
 pub fn rounding_m(track: &Track, window: &Range<usize>) -> f64 {
-    numerics::min(along(track, window).map(|[u, w]| u.hypot(w)))
+    numerics::min(along(track, window).map(|[u, w]| libm::hypot(u, w)))
 }
 
 /// Maximum distance of the points of one contour from another contour, m.
@@ -59,11 +59,11 @@ pub fn radius_m(track: &Track, command: &Track, centre_m: [f64; 2], window: &Ran
     for (point, commanded) in pairs {
         let [x, y] = [point[0] - centre_m[0], point[1] - centre_m[1]];
         let [u, v] = [commanded[0] - centre_m[0], commanded[1] - centre_m[1]];
-        let length = u.hypot(v);
+        let length = libm::hypot(u, v);
         real += (x * u + y * v) / length;
         imaginary += (y * u - x * v) / length;
     }
-    real.hypot(imaginary) / window.len() as f64
+    libm::hypot(real, imaginary) / window.len() as f64
 }
 
 /// Points of a window in `u` and `w`, m.
@@ -86,7 +86,7 @@ fn to_segment_m(point: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
     } else {
         0.0
     };
-    (offset[0] - fraction * segment[0]).hypot(offset[1] - fraction * segment[1])
+    libm::hypot(offset[0] - fraction * segment[0], offset[1] - fraction * segment[1])
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few hundred samples")]

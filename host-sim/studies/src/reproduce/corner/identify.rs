@@ -33,7 +33,7 @@ pub fn identify(
         |at: &Vector2<f64>| from_logarithms(at).table_m(motor_m, sample_s)[window.clone()].to_vec();
     let squares =
         |y: &[f64]| -> f64 { y.iter().zip(&table_m[window.clone()]).map(|(y, t)| (t - y).powi(2)).sum() };
-    let mut at = Vector2::new(INITIAL.omega_per_s.ln(), INITIAL.damping_ratio.ln());
+    let mut at = Vector2::new(libm::log(INITIAL.omega_per_s), libm::log(INITIAL.damping_ratio));
     let mut now = modelled(&at);
     for _ in 0..MAX_ITERATIONS {
         let slopes = [Vector2::new(DIFFERENCE_STEP, 0.0), Vector2::new(0.0, DIFFERENCE_STEP)].map(|step| {
@@ -67,7 +67,7 @@ pub fn identify(
 
 /// From ln ω and ln ζ.
 fn from_logarithms(logarithms: &Vector2<f64>) -> Mechanics {
-    Mechanics { omega_per_s: logarithms[0].exp(), damping_ratio: logarithms[1].exp() }
+    Mechanics { omega_per_s: libm::exp(logarithms[0]), damping_ratio: libm::exp(logarithms[1]) }
 }
 
 #[cfg(test)]

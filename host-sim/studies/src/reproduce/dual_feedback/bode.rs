@@ -15,7 +15,7 @@ use pages::plot::{Chart, Ink};
 /// |G| of (13); `omega` in rad/s.
 fn magnitude(TimeConstants { position_s, dual_s }: TimeConstants, omega: f64) -> f64 {
     let (x, y) = (omega * position_s, omega * dual_s);
-    (x + y).hypot(x * y) / (1f64.hypot(x) * 1f64.hypot(y))
+    libm::hypot(x + y, x * y) / (libm::hypot(1f64, x) * libm::hypot(1f64, y))
 }
 
 /// Break frequencies of (13), rad/s, ascending.
@@ -26,7 +26,9 @@ fn break_frequencies(TimeConstants { position_s, dual_s }: TimeConstants) -> [f6
 
 /// Responses from 0.03/T to 30/T, four per decade.
 fn bode(times: TimeConstants) -> Vec<Response> {
-    (-6..=6).map(|quarter| measure(times, 10f64.powf(0.25 * f64::from(quarter)) / times.position_s)).collect()
+    (-6..=6)
+        .map(|quarter| measure(times, libm::pow(10f64, 0.25 * f64::from(quarter)) / times.position_s))
+        .collect()
 }
 
 /// Adds the Bode diagram.
@@ -88,14 +90,15 @@ fn add_magnitudes(study: &mut Study, responses: &[Vec<Response>; 3]) {
 
 /// |G| over ωT: formula (13) as lines, measurements as markers.
 fn picture(systems: [TimeConstants; 3], responses: &[Vec<Response>; 3]) -> Picture {
-    let db = |magnitude: f64| 20.0 * magnitude.log10();
+    let db = |magnitude: f64| 20.0 * libm::log10(magnitude);
     let mut layers = Vec::new();
     for ((times, responses), ink) in systems.into_iter().zip(responses).zip(INKS) {
         let exact = (-150..=150).map(|k| 0.01 * f64::from(k));
-        let exact = exact.map(|decade| (decade, db(magnitude(times, 10f64.powf(decade) / times.position_s))));
+        let exact =
+            exact.map(|decade| (decade, db(magnitude(times, libm::pow(10f64, decade) / times.position_s))));
         layers.push(line(ink, exact.collect()));
         let point =
-            |response: &Response| ((response.omega * times.position_s).log10(), db(response.magnitude()));
+            |response: &Response| (libm::log10(response.omega * times.position_s), db(response.magnitude()));
         layers.extend(responses.iter().map(|response| marker(Ink::After, point(response))));
     }
     let title = "Bode diagram of the dual feedback system".to_owned();

@@ -47,7 +47,7 @@ fn ramp_nm_per_s(times: TimeConstants) -> f64 {
 
 /// Qo after a unit step, (11) and (12).
 fn step_response(TimeConstants { position_s, dual_s }: TimeConstants, time_s: f64) -> f64 {
-    let decay = |time_constant: f64| (-time_s / time_constant).exp();
+    let decay = |time_constant: f64| libm::exp(-time_s / time_constant);
     if is_equal(position_s, dual_s) {
         -(1.0 + time_s / position_s) * decay(position_s)
     } else {
@@ -58,9 +58,9 @@ fn step_response(TimeConstants { position_s, dual_s }: TimeConstants, time_s: f6
 /// Qo on a ramp of one per second: the integral of the step response.
 fn ramp_response(TimeConstants { position_s, dual_s }: TimeConstants, time_s: f64) -> f64 {
     if is_equal(position_s, dual_s) {
-        return -(2.0 * position_s - (2.0 * position_s + time_s) * (-time_s / position_s).exp());
+        return -(2.0 * position_s - (2.0 * position_s + time_s) * libm::exp(-time_s / position_s));
     }
-    let term = |time_constant: f64| -time_constant.powi(2) * (-time_s / time_constant).exp_m1();
+    let term = |time_constant: f64| -time_constant.powi(2) * libm::expm1(-time_s / time_constant);
     -(term(position_s) - term(dual_s)) / (position_s - dual_s)
 }
 
@@ -71,7 +71,7 @@ fn is_equal(one: f64, other: f64) -> bool {
 
 /// −Qc after a unit step, (15): e^(−t/T').
 fn detector2_decay(times: TimeConstants, time_s: f64) -> f64 {
-    (-time_s / times.dual_s).exp()
+    libm::exp(-time_s / times.dual_s)
 }
 
 /// The closed forms that are compared.

@@ -27,7 +27,7 @@ impl Add for Uncertain {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        uncertain(self.value + other.value, self.half_width.hypot(other.half_width))
+        uncertain(self.value + other.value, libm::hypot(self.half_width, other.half_width))
     }
 }
 

@@ -28,10 +28,10 @@ pub fn measure(times: TimeConstants, omega: f64) -> Response {
     let omega = TAU / (f64::from(period) * TICK_S);
     let settling = ticks(SETTLING * times.position_s.max(times.dual_s)).div_ceil(period) * period;
     let rows = (ticks(1.0) / period).max(1) * period;
-    let outputs = run(times, settling + rows, |time_s| AMPLITUDE_NM * (omega * time_s).sin());
+    let outputs = run(times, settling + rows, |time_s| AMPLITUDE_NM * libm::sin(omega * time_s));
     let (mut re, mut im) = (0.0, 0.0);
     for (tick, row) in (0u32..).zip(&outputs[settling as usize..]) {
-        let (sine, cosine) = (omega * f64::from(tick) * TICK_S).sin_cos();
+        let (sine, cosine) = libm::sincos(omega * f64::from(tick) * TICK_S);
         re += row.table_nm * sine;
         im += row.table_nm * cosine;
     }
@@ -42,7 +42,7 @@ pub fn measure(times: TimeConstants, omega: f64) -> Response {
 impl Response {
     /// |Qo/ΔQ|.
     pub fn magnitude(&self) -> f64 {
-        self.re.hypot(self.im)
+        libm::hypot(self.re, self.im)
     }
 }
 

@@ -48,7 +48,7 @@ pub struct Output {
 
 /// Gain per tick of an integrator with a time constant: 1 − e^(−h/T).
 fn gain_per_tick(time_constant_s: f64) -> f64 {
-    -(-TICK_S / time_constant_s).exp_m1()
+    -libm::expm1(-TICK_S / time_constant_s)
 }
 
 /// In units of the controller; 0 if out of range.

@@ -159,7 +159,7 @@ impl Lot {
         let height = per_class * FRAC_1_SQRT_2 / (sigma * std::f64::consts::PI.sqrt());
         let normal = |k: u32| {
             let x = left + f64::from(k) / 200.0 * (right - left);
-            (x, height * (-0.5 * ((x - mean) / sigma).powi(2)).exp())
+            (x, height * libm::exp(-0.5 * ((x - mean) / sigma).powi(2)))
         };
         let normal = Layer { ink: Ink::Third, points: (0..=200).map(normal).collect(), is_marked: false };
         let title = format!("Parts per class, {}", self.name);

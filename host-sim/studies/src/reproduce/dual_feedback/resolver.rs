@@ -45,7 +45,7 @@ fn dividing() -> ResolverDividing {
 #[expect(clippy::cast_possible_truncation, reason = "24 bits")]
 fn samples(motor_m: f64) -> Option<Phase> {
     let indicated_m = motor_m + dividing().error().error_m(motor_m);
-    let (sine, cosine) = (TAU * 1e3 * indicated_m / turn_mm()).sin_cos();
+    let (sine, cosine) = libm::sincos(TAU * 1e3 * indicated_m / turn_mm());
     let counts = |value: f64| (SIGNAL_COUNTS * value).round() as i32;
     Phase::from_samples(counts(sine), counts(cosine), 1 << 22)
 }
@@ -64,7 +64,7 @@ fn simulated_errors() -> Option<Vec<f64>> {
 
 /// The errors by the formula.
 fn formula_errors() -> Vec<f64> {
-    (0..4 * QUARTER).map(|k| (TAU * f64::from(k) / f64::from(4 * QUARTER)).sin()).collect()
+    (0..4 * QUARTER).map(|k| libm::sin(TAU * f64::from(k) / f64::from(4 * QUARTER))).collect()
 }
 
 /// Percentage of pulses whose error is within a fraction of D.

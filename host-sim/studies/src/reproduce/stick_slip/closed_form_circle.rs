@@ -13,8 +13,8 @@ use contour::circular_test::Ballbar;
 pub fn dahl_lag_um(angle: f64, sense: f64, width_um: f64, distance_um: f64) -> f64 {
     // After the reversal at 0 the axis moves in −, after that at π in +.
     let side = if (sense * angle).rem_euclid(TAU) < TAU / 2.0 { 1.0 } else { -1.0 };
-    let travelled_um = 1e6 * RADIUS_M * (side - angle.cos()).abs();
-    side * 0.5 * width_um * (1.0 - 2.0 * (-travelled_um / distance_um).exp())
+    let travelled_um = 1e6 * RADIUS_M * (side - libm::cos(angle)).abs();
+    side * 0.5 * width_um * (1.0 - 2.0 * libm::exp(-travelled_um / distance_um))
 }
 
 /// Error of both axes, µm, if the slower one is delayed: −v·T of that axis.
@@ -23,7 +23,7 @@ pub fn delay_um(angle: f64, sense: f64, delay_s: f64) -> [f64; 2] {
     let path_um = 1e6 * RADIUS_M * SPEED_RAD_PER_S * delay_s * sense;
     // Within 45° of the first axis, that axis is the slower one.
     let is_first_slower = (angle + FRAC_PI_4).rem_euclid(TAU / 2.0) < TAU / 4.0;
-    if is_first_slower { [path_um * angle.sin(), 0.0] } else { [0.0, -path_um * angle.cos()] }
+    if is_first_slower { [path_um * libm::sin(angle), 0.0] } else { [0.0, -path_um * libm::cos(angle)] }
 }
 
 /// The circular test with errors of the axes, µm, as a function of the angle (rad) and the direction (1 or −1).
@@ -37,7 +37,7 @@ pub fn from_axis_errors(error_um: impl Fn(f64, f64) -> [f64; 2]) -> Result<Ballb
             // Never exactly on a reversal, where the sign is undefined.
             let angle = TAU * (i as f64 + 0.5) / SAMPLES as f64;
             let [x_um, y_um] = error_um(angle, sense);
-            [RADIUS_M * angle.cos() + 1e-6 * x_um, RADIUS_M * angle.sin() + 1e-6 * y_um]
+            [RADIUS_M * libm::cos(angle) + 1e-6 * x_um, RADIUS_M * libm::sin(angle) + 1e-6 * y_um]
         };
         super::lap::lap(&(0..SAMPLES).map(point).collect::<Vec<_>>(), RADIUS_M)
     };

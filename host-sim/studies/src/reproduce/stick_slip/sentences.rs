@@ -59,7 +59,7 @@ pub fn notes(experiment: &Experiment) -> Vec<String> {
     let radial_um = [lower, higher].map(|run| significant(run.ballbar.circular_deviation_um(), 3));
     let turning_degrees = [lower, higher].map(|run: &StickSlip| {
         let path_m_per_s = RADIUS_M * run.lap.path.speed_rad_per_s;
-        significant((1.0 / (TABLES[0].friction().alpha * path_m_per_s)).asin().to_degrees(), 2)
+        significant(libm::asin(1.0 / (TABLES[0].friction().alpha * path_m_per_s)).to_degrees(), 2)
     });
     vec![
         format!(

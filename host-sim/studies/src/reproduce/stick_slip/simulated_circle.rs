@@ -81,7 +81,7 @@ fn middle_lap(log: &Log, sense: f64) -> Vec<[f64; 2]> {
     let mut last = 0.0;
     let mut lap = Vec::new();
     for ([x, y], tool) in command_m.iter().zip(tool_m) {
-        let angle = sense * y.atan2(*x);
+        let angle = sense * libm::atan2(*y, *x);
         turned += numerics::wrapped(angle - last, TAU);
         last = angle;
         if (0.25 * TAU..1.25 * TAU).contains(&turned) {

@@ -68,7 +68,7 @@ impl CircularPath {
     /// Position of the drives, m.
     #[must_use]
     pub fn position_m(self, time_s: f64) -> [f64; 2] {
-        let (sin, cos) = (self.speed_rad_per_s * time_s).sin_cos();
+        let (sin, cos) = libm::sincos(self.speed_rad_per_s * time_s);
         [RADIUS_M * cos, RADIUS_M * sin]
     }
 

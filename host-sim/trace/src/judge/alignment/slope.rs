@@ -62,7 +62,7 @@ fn decide(axis: &mut AxisFindings, has_table: bool, min_size: f64) {
 fn doubt(found: &mut FoundEffect) {
     let Some(slope) = Slope::of_found(found) else { return };
     if slope.exceeds(MOST * SCALE_UM_PER_M, 0.0) {
-        found.half_widths[0] = slope.half_width.hypot(2.0 * SCALE_UM_PER_M);
+        found.half_widths[0] = libm::hypot(slope.half_width, 2.0 * SCALE_UM_PER_M);
     } else {
         found.rivals.push(SlopeOf::Scale.effect(slope.um_per_m));
     }
