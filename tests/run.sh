@@ -18,12 +18,12 @@ long=(
   command_line::improve:: command_line::reproduce:: command_line::compare:: command_line::worked_example::
   model_again::a_model_of_a_case_is_stable model_again::a_model_of_measured_data_is_stable
   incomplete_logs::sweep::parts_of_the_blind_cases
-  pages_in_browser::
+  pages_in_browser:: app_in_browser::
   budget::second_simulator::the_first_cause_is_the_true_one_on_fifty_machines
 )
 
 # Tests of `host` that are left to `tests/deep.sh host`: with them, `all` would not end within the time of CI on two cores.
-deep=(app_in_browser:: init::cases::all_other_cases init::measured::emps)
+deep=(app_in_browser::traced::all_cases init::cases::all_other_cases init::measured::emps)
 
 # The tests of the host without some, by parts of their names.
 tests_of_host_without() {
@@ -44,8 +44,12 @@ install_tools() {
   command -v qemu-system-arm >/dev/null || install_emulator
 }
 
-# Looks at pages in `all`.
+# Looks at pages in `all`, and runs the tracer in one.
 install_browser() {
+  if command -v rustup >/dev/null; then
+    rustup target list --installed | grep -qx wasm32-unknown-unknown || rustup target add wasm32-unknown-unknown ||
+      echo "no target wasm32-unknown-unknown: the tracer in a browser is not tested"
+  fi
   command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null || {
     local as_root=""
     [ "$(id -u)" = 0 ] || as_root="$(command -v sudo || true)"

@@ -22,6 +22,8 @@ pub struct Document {
 struct Motion {
     name: String,
     whole_um: Sizes,
+    /// With a compensation of everything that the model gives reason for; `null`: it gives none, or it was not simulated.
+    compensated_um: Option<Sizes>,
     /// Largest first.
     causes: Vec<Cause>,
     sum_um: Sum,
@@ -47,6 +49,8 @@ struct Cause {
     ci95: Option<[f64; 2]>,
     alone_um: Sizes,
     without_um: Sizes,
+    /// Its share where everything is compensated.
+    compensated_um: Option<Sizes>,
     certainty: &'static str,
     rivals: Vec<String>,
     remedy: String,
@@ -69,6 +73,7 @@ impl Motion {
         Self {
             name: motion.name.clone(),
             whole_um: motion.whole,
+            compensated_um: motion.compensated,
             causes: motion.causes.iter().map(Cause::of).collect(),
             sum_um: Sum { rms: motion.sum_um() },
             shared_in_proportion_percent: 100.0 * motion.shared_in_proportion,
@@ -85,6 +90,7 @@ impl Cause {
             ci95: share.interval_um,
             alone_um: share.alone,
             without_um: share.without,
+            compensated_um: share.compensated,
             certainty: share.certainty.word(),
             rivals: share.rivals.clone(),
             remedy: share.remedy.clone(),

@@ -72,15 +72,19 @@ impl Budget {
     /// If a motion does not fit the machine, or the machine does not complete it.
     pub fn of(model: &Machine, tests: &[TestMotion], seed: u64) -> Result<Self, PredictionError> {
         let (model, mut notes) = cause::simulated(model);
-        let simulated = simulation::Simulated { model: &model, seed };
-        let motions =
-            tests.iter().map(|test| MotionBudget::of(&simulated, test)).collect::<Result<_, _>>()?;
+        let motions: Vec<MotionBudget> =
+            tests.iter().map(|test| MotionBudget::of(&model, test, seed)).collect::<Result<_, _>>()?;
         if model.instruments.is_none() {
             notes.push(
                 "Noise and resolution of the sensors are not in the machine file ([instruments]): they are not in the budget."
                     .to_owned(),
             );
         }
+        let not_compensated =
+            motions.iter().filter_map(|motion| Some((&motion.name, motion.not_compensated.as_ref()?)));
+        notes.extend(
+            not_compensated.map(|(name, why)| format!("{name}: not simulated with a compensation: {why}.")),
+        );
         let with_tables = model.axis.iter().filter(|(_, axis)| !axis.empirical.is_empty());
         notes.extend(with_tables.map(|(name, _)| {
             format!("{name}: a table of a residual has no cause, and stands in the budget as `unexplained`.")

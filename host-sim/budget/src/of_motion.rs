@@ -2,6 +2,7 @@
 
 use commissioning::compensate::prediction::{PredictionError, TestMotion};
 use files::format::significant;
+use model::machine::Machine;
 use model::machine::evidence::Certainty;
 
 use crate::cause::Cause;
@@ -9,7 +10,7 @@ use crate::interval;
 use crate::radial::RadialDeviation;
 use crate::remedy;
 use crate::share::{Measured, shares, signed_root};
-use crate::simulation::Simulated;
+use crate::simulation::{AloneAndWithout, Outcome, Simulated};
 use crate::sizes::Sizes;
 
 /// Part of the whole below which a cause is not listed for a reader.
@@ -22,6 +23,10 @@ pub struct MotionBudget {
     pub name: String,
     /// The contour error with all causes.
     pub whole: Sizes,
+    /// That with a compensation of everything that the model gives reason for; `None`: it gives none, or it was not simulated.
+    pub compensated: Option<Sizes>,
+    /// Why it was not simulated with a compensation.
+    pub not_compensated: Option<String>,
     /// The radial deviation with all causes, if the motion is a circle.
     pub circle: Option<RadialDeviation>,
     /// The causes, largest first.
@@ -46,6 +51,8 @@ pub struct CauseShare {
     pub alone: Sizes,
     /// The contour error with all causes but this one.
     pub without: Sizes,
+    /// Its share where everything is compensated; `None`: see [`MotionBudget::compensated`].
+    pub compensated: Option<Sizes>,
     /// The radial deviation with all causes but this one, if the motion is a circle.
     pub circle_without: Option<RadialDeviation>,
     /// Whether the cause is a fact.
@@ -57,49 +64,48 @@ pub struct CauseShare {
 }
 
 impl MotionBudget {
-    /// The budget of a motion.
+    /// The budget of a motion, without and with a compensation of its causes.
     ///
     /// # Errors
-    /// If the motion does not fit the machine, or the machine does not complete it.
-    pub fn of(simulated: &Simulated<'_>, test: &TestMotion) -> Result<Self, PredictionError> {
-        let causes = Cause::all(simulated.model);
-        let (whole, each) = simulated.outcomes(test, &causes)?;
-        let measured: Vec<Measured> = each
+    /// If the motion does not fit the machine, or the machine does not complete it without a compensation.
+    pub fn of(model: &Machine, test: &TestMotion, seed: u64) -> Result<Self, PredictionError> {
+        let simulated = Simulated { model, seed, is_compensated: false };
+        let causes = Cause::all(model);
+        let before = Shared::of(&simulated, test, &causes)?;
+        let (after, not_compensated) = match Shared::compensated(&simulated, test, &causes) {
+            Ok(after) => (after, None),
+            Err(error) => (None, Some(error.to_string())),
+        };
+        let mut listed: Vec<CauseShare> = causes
             .iter()
-            .map(|one| Measured { alone: one.alone.rms.powi(2), without: one.without.sizes.rms.powi(2) })
-            .collect();
-        let (squares, shared_in_proportion) = shares(whole.sizes.rms.powi(2), &measured);
-        let mut causes: Vec<CauseShare> = causes
-            .iter()
-            .zip(each)
-            .zip(squares)
-            .map(|((cause, one), square)| {
-                let gone = whole.sizes.combined(one.without.sizes, |whole, without| whole - without);
-                let mean = one.alone.combined(gone, |alone, gone| 0.5 * (alone + gone));
-                let share = Sizes { rms: signed_root(square), ..mean };
-                let machine = simulated.model;
-                let evidence = cause.evidence(machine);
+            .enumerate()
+            .zip(before.causes)
+            .map(|((index, cause), (one, share))| {
+                let evidence = cause.evidence(model);
                 CauseShare {
-                    name: cause.name(machine),
-                    axis: cause.axis(machine).map(str::to_owned),
+                    name: cause.name(model),
+                    axis: cause.axis(model).map(str::to_owned),
                     share,
-                    interval_um: interval::of(cause, machine).map(|relative| around(share.rms, relative)),
+                    interval_um: interval::of(cause, model).map(|relative| around(share.rms, relative)),
                     alone: one.alone,
                     without: one.without.sizes,
+                    compensated: after.as_ref().map(|after| after.causes[index].1),
                     circle_without: one.without.circle,
                     certainty: evidence.map_or(Certainty::Declared, |evidence| evidence.certainty),
                     rivals: evidence.map(|evidence| evidence.rivals.clone()).unwrap_or_default(),
-                    remedy: remedy::of(cause, machine),
+                    remedy: remedy::of(cause, model),
                 }
             })
             .collect();
-        causes.sort_by(|a, b| b.share.rms.abs().total_cmp(&a.share.rms.abs()));
+        listed.sort_by(|a, b| b.share.rms.abs().total_cmp(&a.share.rms.abs()));
         Ok(Self {
             name: test.motion.name.clone(),
-            whole: whole.sizes,
-            circle: whole.circle,
-            causes,
-            shared_in_proportion,
+            whole: before.whole.sizes,
+            compensated: after.map(|after| after.whole.sizes),
+            not_compensated,
+            circle: before.whole.circle,
+            causes: listed,
+            shared_in_proportion: before.in_proportion,
         })
     }
 
@@ -133,6 +139,44 @@ impl MotionBudget {
     pub fn sum_um(&self) -> f64 {
         let squares = self.causes.iter().map(|cause| cause.share.rms * cause.share.rms.abs());
         signed_root(squares.sum())
+    }
+}
+
+/// The shares of the causes in the contour error of a motion.
+struct Shared {
+    whole: Outcome,
+    /// In the order of the causes.
+    causes: Vec<(AloneAndWithout, Sizes)>,
+    /// Part of the mean square that was shared in proportion.
+    in_proportion: f64,
+}
+
+impl Shared {
+    fn of(simulated: &Simulated<'_>, test: &TestMotion, causes: &[Cause]) -> Result<Self, PredictionError> {
+        let (whole, each) = simulated.outcomes(test, causes)?;
+        let measured: Vec<Measured> = each
+            .iter()
+            .map(|one| Measured { alone: one.alone.rms.powi(2), without: one.without.sizes.rms.powi(2) })
+            .collect();
+        let (squares, in_proportion) = shares(whole.sizes.rms.powi(2), &measured);
+        let share = |(one, square): (AloneAndWithout, f64)| {
+            let gone = whole.sizes.combined(one.without.sizes, |whole, without| whole - without);
+            let mean = one.alone.combined(gone, |alone, gone| 0.5 * (alone + gone));
+            (one, Sizes { rms: signed_root(square), ..mean })
+        };
+        let causes = each.into_iter().zip(squares).map(share).collect();
+        Ok(Self { whole, causes, in_proportion })
+    }
+
+    /// The shares where those of the causes that act are compensated; `None`: the model gives no reason for a compensation.
+    fn compensated(
+        simulated: &Simulated<'_>,
+        test: &TestMotion,
+        causes: &[Cause],
+    ) -> Result<Option<Self>, PredictionError> {
+        let simulated = Simulated { is_compensated: true, ..*simulated };
+        let has_any = simulated.compensation(simulated.model, test, causes)?.is_some();
+        has_any.then(|| Self::of(&simulated, test, causes)).transpose()
     }
 }
 

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use commissioning::compensate::CompensationFile;
 use commissioning::compensate::alignment::aligned;
 use commissioning::compensate::controller_host::ControllerHost;
+use commissioning::compensate::planning::Planning;
 use commissioning::compensate::prediction::{self, PredictionError, TestMotion};
 use files::log::{Channel, Log};
 use model::machine::Machine;
@@ -23,6 +24,8 @@ pub struct Simulated<'a> {
     pub model: &'a Machine,
     /// Seed of the noise of the sensors.
     pub seed: u64,
+    /// Whether the controller compensates those of the causes that act: see [`Planning::everything`].
+    pub is_compensated: bool,
 }
 
 /// How a motion goes wrong: the figures, and the curve if it is a circle.
@@ -72,12 +75,37 @@ impl Simulated<'_> {
         Ok((outcome(&all, is_circle)?, each))
     }
 
+    /// The compensation of a machine with some causes; `None`: there is none, or no reason for any.
+    ///
+    /// # Errors
+    /// If the controller has too few settings for it, or the motion does not fit the machine.
+    pub fn compensation(
+        &self,
+        machine: &Machine,
+        test: &TestMotion,
+        causes: &[Cause],
+    ) -> Result<Option<CompensationFile>, PredictionError> {
+        if !self.is_compensated {
+            return Ok(None);
+        }
+        let planning = Planning {
+            model: machine,
+            model_file: "",
+            tests: std::slice::from_ref(test),
+            watched: &[],
+            instruments: cause::instruments(self.model, causes, self.seed),
+            set_at_s: test.start_s,
+        };
+        planning.everything()
+    }
+
     /// The log of the machine with some causes, with the tool where it is and not where a probe reads it.
     fn log(&self, test: &TestMotion, causes: &[Cause]) -> Result<Log, PredictionError> {
         let machine = cause::with(self.model, causes);
         let instruments = cause::instruments(self.model, causes, self.seed);
-        let none = CompensationFile::none(&machine);
-        let log = prediction::log(&machine, &none, test, (instruments, ControllerHost::Host))?;
+        let file =
+            self.compensation(&machine, test, causes)?.unwrap_or_else(|| CompensationFile::none(&machine));
+        let log = prediction::log(&machine, &file, test, (instruments, ControllerHost::Host))?;
         Ok(aligned(&log, &machine))
     }
 }

@@ -29,8 +29,16 @@ pub fn of_motion(motion: &MotionBudget) -> String {
         sentence(motion),
         String::new(),
         format!(
-            "{:<26}{:<6}{:>9}{:>18}{:>11}{:>9}{:>12}  {:<11}remedy",
-            "cause", "axis", "µm rms", "95 % interval", "µm at most", "G µm", "without it", "certainty"
+            "{:<26}{:<6}{:>9}{:>18}{:>11}{:>9}{:>12}{:>13}  {:<11}remedy",
+            "cause",
+            "axis",
+            "µm rms",
+            "95 % interval",
+            "µm at most",
+            "G µm",
+            "without it",
+            "compensated",
+            "certainty"
         ),
     ];
     let (shown, others) = motion.shown();
@@ -57,11 +65,23 @@ pub fn sentence(motion: &MotionBudget) -> String {
         .collect();
     let of = if largest.is_empty() { String::new() } else { format!(": {}", largest.join(", ")) };
     format!(
-        "{}: {} µm rms from the path, at most {} µm{circular}{of}.",
+        "{}: {} µm rms from the path, at most {} µm{circular}{of}.{}",
         motion.name,
         significant(motion.whole.rms, 3),
-        significant(motion.whole.max, 3)
+        significant(motion.whole.max, 3),
+        compensated(motion)
     )
+}
+
+/// What a compensation of everything makes of the motion.
+fn compensated(motion: &MotionBudget) -> String {
+    let Some(sizes) = motion.compensated else { return String::new() };
+    let worse = if sizes.rms > motion.whole.rms {
+        ", which is worse: `compensate` leaves out what does not help"
+    } else {
+        ""
+    };
+    format!(" With everything compensated: {} µm rms{worse}.", significant(sizes.rms, 3))
 }
 
 impl CauseShare {
@@ -85,7 +105,7 @@ fn row(cause: &CauseShare) -> String {
     let interval =
         cause.interval_um.map_or("unknown".to_owned(), |[from, to]| format!("{} to {}", um(from), um(to)));
     format!(
-        "{:<26}{:<6}{:>9}{:>18}{:>11}{:>9}{:>12}  {:<11}{}",
+        "{:<26}{:<6}{:>9}{:>18}{:>11}{:>9}{:>12}{:>13}  {:<11}{}",
         cause.name,
         cause.axis.as_deref().unwrap_or("all"),
         um(cause.share.rms),
@@ -93,6 +113,7 @@ fn row(cause: &CauseShare) -> String {
         um(cause.share.max),
         cause.share.circular.map_or("–".to_owned(), um),
         um(cause.without.rms),
+        cause.compensated.map_or("–".to_owned(), |sizes| um(sizes.rms)),
         cause.certainty.word(),
         cause.remedy
     )

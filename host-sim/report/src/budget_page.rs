@@ -70,6 +70,7 @@ fn bars(motion: &MotionBudget) -> Markup {
         Column::Numbers("95 % interval"),
         Column::Numbers("at most"),
         Column::Numbers("G"),
+        Column::Numbers("compensated"),
         Column::Words("certainty"),
         Column::Words("what to do"),
     ];
@@ -94,6 +95,7 @@ fn row(cause: &CauseShare, longest_um: f64) -> Markup {
             (number_cell(&interval))
             (number_cell(&um(cause.share.max)))
             (number_cell(&cause.share.circular.map_or("–".to_owned(), um)))
+            (number_cell(&cause.compensated.map_or("–".to_owned(), |sizes| um(sizes.rms))))
             td { (cause.certainty.word()) }
             td { (text(&cause.remedy)) }
         }

@@ -24,7 +24,15 @@ fn log(name: &str, channel: Channel, [rms_um, max_um, noise_um]: [f64; 3]) -> Lo
 
 fn motion(name: &str, rms: f64, circular: Option<f64>) -> MotionBudget {
     let whole = Sizes { rms, max: 2.0 * rms, circular, corner: None };
-    MotionBudget { name: name.to_owned(), whole, circle: None, causes: Vec::new(), shared_in_proportion: 0.0 }
+    MotionBudget {
+        name: name.to_owned(),
+        whole,
+        compensated: None,
+        not_compensated: None,
+        circle: None,
+        causes: Vec::new(),
+        shared_in_proportion: 0.0,
+    }
 }
 
 fn outcome(limit: &str, by: &Judged<'_>) -> (Outcome, Basis, Option<f64>) {

@@ -147,7 +147,7 @@ impl Planning<'_> {
     }
 
     /// Mean time constant of the drives whose velocity is commanded, as far as a trace has fitted them, s; 0: there is none.
-    fn drive_time_constant_s(&self) -> f64 {
+    pub(crate) fn drive_time_constant_s(&self) -> f64 {
         let axes = self.model.axis.values().filter(|axis| axis.settings.controller.drive == Drive::Velocity);
         let fitted_s = axes.map(|axis| axis.fitted_velocity_drive().time_constant_s);
         numerics::mean(fitted_s.filter(|fitted_s| *fitted_s > 0.0))

@@ -1,17 +1,17 @@
 //! The tracer in headless Chromium, from the one file of `lost-motion app`: files are dropped on the page, and what it shows is what the
-//! commands print. `tests/deep.sh host` runs them. Without Chromium or the target of browsers, the tests say so and pass.
+//! commands print. Without Chromium or the target of browsers, the tests say so and pass.
 
-use std::ffi::OsStr;
+mod traced;
+
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::{OnceLock, mpsc};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::{Value, json};
-use tests::cases;
 use tests::program::lost_motion;
 
 use crate::pages_in_browser::chromium;
@@ -266,45 +266,4 @@ fn the_example_is_traced_and_compensated() {
     assert!(seen["remedy"].as_str().unwrap().contains("µm"), "{seen}");
     assert!(seen["names"].as_array().unwrap().contains(&json!("compensation.toml")), "{seen}");
     assert_eq!(seen["sideways"], 0);
-}
-
-/// Each blind case has the JSON of the command line, but for the last digits.
-#[test]
-fn cases_have_the_json_of_the_command_line() {
-    let Some(folders) = cases::folders() else { return };
-    for folder in folders {
-        let [fit, validate] = ["fit", "validate"].map(|prefix| cases::logs(&folder, prefix));
-        let machine = folder.join("machine.toml");
-        let named = fit.iter().chain(&validate).chain([&machine]);
-        let files: Vec<(&str, Vec<u8>)> = named
-            .map(|path| (path.file_name().unwrap().to_str().unwrap(), fs::read(path).unwrap()))
-            .collect();
-        let script = "dropped(files); await idle();
-            for (const entry of document.querySelectorAll('#list > li')) if (entry.textContent.startsWith('validate')) entry.querySelector('input').click();
-            const start = performance.now(); await click('trace');
-            return { seconds: (performance.now() - start) / 1000, problem: shown('problem'), json: await file('trace.json') };";
-        let Some(seen) = run(script, &files) else { return };
-        let folder_of_json = tempfile::tempdir().unwrap();
-        let path = folder_of_json.path().join("t.json");
-        let started = Instant::now();
-        let mut command = Command::new(lost_motion());
-        command.env("RAYON_NUM_THREADS", "1").arg("trace").arg("--machine").arg(&machine);
-        for (flag, logs) in [("--fit", &fit), ("--validate", &validate)] {
-            command.args(logs.iter().flat_map(|log| [OsStr::new(flag), log.as_os_str()]));
-        }
-        let done = command.arg("--json").arg(&path).output().unwrap();
-        assert!(done.status.success());
-        let native_s = started.elapsed().as_secs_f64();
-        let mut native: Value = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
-        let mut ours: Value =
-            serde_json::from_str(seen["json"].as_str().unwrap_or_else(|| panic!("{seen}"))).unwrap();
-        let name = folder.display().to_string();
-        let [of_page, of_program] = [&mut ours, &mut native].map(|json| json["budget"].take());
-        let of_budget = difference(&name, [&of_page, &of_program], OF_FIGURES);
-        let of_figures = difference(&name, [&ours, &native], OF_FIGURES);
-        println!(
-            "{name}: {:.1} s, native on one thread {native_s:.1} s; differences up to {of_figures:.1e}, of the budget {of_budget:.1e}",
-            seen["seconds"].as_f64().unwrap()
-        );
-    }
 }
