@@ -9,7 +9,6 @@
 //! - [`share`]: the rule that assigns shares to causes that act together
 //! - [`simulation`]: the contour errors with each cause alone, and without it
 //! - [`of_motion`]: the budget of a motion
-//! - [`motions`]: the standard motions, used if none are given
 //! - [`interval`]: the uncertainty of a share, from that of the values of its cause
 //! - [`remedy`]: what to do about a cause
 //! - [`limits`]: whether figures at the tool are within limits
@@ -22,7 +21,6 @@ pub mod cause;
 pub mod interval;
 pub mod json;
 pub mod limits;
-pub mod motions;
 pub mod of_motion;
 pub mod radial;
 pub mod remedy;

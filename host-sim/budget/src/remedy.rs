@@ -11,7 +11,10 @@ use crate::cause::Cause;
 pub fn of(cause: &Cause, machine: &Machine) -> String {
     let doubt = match cause.evidence(machine) {
         Some(evidence) if evidence.certainty == Certainty::Ambiguous && !evidence.rivals.is_empty() => {
-            format!("first find out whether it is {} (trace --propose); then ", evidence.rivals.join(" or "))
+            format!(
+                "first find out whether it is {} (trace --propose MOTION.toml); then ",
+                evidence.rivals.join(" or ")
+            )
         }
         _ => String::new(),
     };

@@ -1,5 +1,6 @@
 //! The budget of what a trace has found, and the JSON of a trace with it.
 
+use commissioning::compensate::motions_within::{Travel, standard};
 use commissioning::compensate::prediction::PredictionError;
 use contour::log_error::LogError;
 use contour::logged::log_name;
@@ -20,7 +21,6 @@ use crate::Budget;
 use crate::cause;
 use crate::json;
 use crate::limits::{Judged, Judgement, Limit, Trust, judged};
-use crate::motions::{Travel, standard};
 
 /// Seed of the noise of the sensors.
 const SEED: u64 = 1;

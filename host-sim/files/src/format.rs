@@ -3,12 +3,16 @@
 /// The minus sign U+2212, which has the width of a plus sign.
 const MINUS: char = '−';
 
+/// Most decimals of a value, and the smallest value of which they show a digit.
+const MOST_DECIMALS: i32 = 9;
+const SMALLEST: f64 = 0.5e-9;
+
 /// Number of decimals for this number of significant digits.
 fn decimals(value: f64, digits: i32) -> usize {
     let magnitude = libm::log10(value.abs()).floor().clamp(-12.0, 12.0);
     #[expect(clippy::cast_possible_truncation, reason = "between -12 and 12")]
     let exponent = if value == 0.0 { 0 } else { magnitude as i32 };
-    usize::try_from((digits - 1 - exponent).min(9)).unwrap_or(0)
+    usize::try_from((digits - 1 - exponent).min(MOST_DECIMALS)).unwrap_or(0)
 }
 
 /// A value with a fixed number of decimals; a dash for NaN.
@@ -22,9 +26,10 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     if value < 0.0 && !is_zero { format!("{MINUS}{text}") } else { text }
 }
 
-/// A value with this number of significant digits.
+/// A value with this number of significant digits; 0 where all decimals that are shown would be.
 #[must_use]
 pub fn significant(value: f64, digits: i32) -> String {
+    let value = if value.abs() < SMALLEST { 0.0 } else { value };
     let unit = libm::pow(10_f64, libm::log10(value.abs()).floor() - f64::from(digits - 1));
     let rounded = if value != 0.0 && unit > 1.0 { (value / unit).round() * unit } else { value };
     fixed(rounded, decimals(value, digits))
@@ -79,6 +84,7 @@ mod tests {
     fn zero_has_no_minus_sign() {
         assert_eq!(fixed(-0.0001, 2), "0.00");
         assert_eq!(significant(0.0, 3), "0.00");
+        assert_eq!(significant(-3.2e-12, 3), "0.00");
         assert_eq!(signed(-1.25, 2), "−1.2");
         assert_eq!(signed(0.123, 2), "+0.12");
         assert_eq!(significant(5973.0, 2), "6000");

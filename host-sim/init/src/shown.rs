@@ -1,6 +1,6 @@
 //! Which values the logs show. The others are left unknown: a value that is not determined is worse than none.
 
-use model::axis::Settings;
+use model::axis::{Feedback, Settings};
 use model::effects::Stage;
 use model::machine::rotary;
 use trace::AxisIdentification;
@@ -98,6 +98,13 @@ pub fn keep_shown(
         ));
     } else {
         for key in wide {
+            // A loop on both sensors has this constant: without it, that of the motor.
+            if key == "dual_feedback_time_constant_s" {
+                if declared.sensors.feedback == Feedback::Dual {
+                    continue;
+                }
+                rough.settings.sensors.feedback = Feedback::Motor;
+            }
             rough.forget_value(key);
             let (key, _) = rotary::written(key, 1.0, axis.model.axis.settings.names);
             notes.push(format!("{name}: {key} stays unknown: the logs do not determine it."));

@@ -3,7 +3,6 @@
 use indexmap::IndexMap;
 
 use files::error::{InputError, quoted};
-use model::axis::Settings;
 use model::effects::{
     Backlash, Effect, GrowingPart, PitchCyclic, PitchMap, PitchProgressive, ThermalDrift, ThermalGrowth,
     ThermalRate,
@@ -16,7 +15,8 @@ use super::effect;
 /// Rate that a machine file must have, Hz: the usual one of a position loop. Nothing here depends on it.
 const RATE_HZ: f64 = 1000.0;
 
-/// A machine with the effects found appended to its axis, and what was left out of it, a sentence each. Without a declared machine, it
+/// A machine with the effects found appended to its axis, and what was left out of it, a sentence each. The axis gets the travel of the test as its
+/// soft limits if it has none: beyond it, nothing is known of its errors. Without a declared machine, it
 /// has nothing but the axis: everything else is unknown.
 ///
 /// # Errors
@@ -29,7 +29,8 @@ pub fn of(
     let effects = effects(analysis, &mut notes);
     let name = &analysis.axis;
     let Some((mut machine, file)) = declared else {
-        let axis = Axis { settings: Settings::default(), effect: effects, ..Axis::default() };
+        let mut axis = Axis { effect: effects, ..Axis::default() };
+        notes.extend(limit(&mut axis, analysis));
         notes.push(
             "The model has nothing but the effects found; --machine M.toml adds them to a machine, which simulate and the prediction of compensate need."
                 .to_owned(),
@@ -51,7 +52,22 @@ pub fn of(
     // Two effects of a kind that may be there once would be refused.
     axis.effect.retain(|old| effects.iter().all(|new| new.name() != old.name()));
     axis.effect.extend(effects);
+    notes.extend(limit(axis, analysis));
     Ok((machine, notes))
+}
+
+/// Gives an axis without soft limits those of the test; the sentence about it.
+fn limit(axis: &mut Axis, analysis: &Analysis) -> Option<String> {
+    let targets_mm = &analysis.grid.knots_mm;
+    let ends_mm = [*targets_mm.first()?, *targets_mm.last()?];
+    if axis.settings.limits.travel_mm.is_some() || ends_mm[0] >= ends_mm[1] {
+        return None;
+    }
+    axis.settings.limits.travel_mm = Some(ends_mm);
+    Some(format!(
+        "In the model, travel_mm of {} is that of the test, {} to {} mm: beyond it, nothing is known of its errors.",
+        analysis.axis, ends_mm[0], ends_mm[1]
+    ))
 }
 
 /// The effects that a machine file can hold.

@@ -34,7 +34,7 @@ pub fn of_text(
     let Some(rows) = Rows::of(text) else {
         let first = text.lines().find(|line| !line.trim().is_empty());
         let found = first.map_or_else(|| "an empty file".to_owned(), quoted);
-        let expected = "a table with run, approach, target_mm and measured_mm";
+        let expected = "a table with at least the columns run, target_mm and measured_mm";
         return Err(InputError::expected(source, expected, found));
     };
     let columns = columns::choose(&rows, request, source, &mut notes)?;

@@ -116,7 +116,7 @@ fn bar(cause: &CauseShare, longest_um: f64) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use budget::motions::{Travel, standard};
+    use commissioning::compensate::motions_within::{Travel, standard};
     use model::machine::Machine;
 
     #[test]

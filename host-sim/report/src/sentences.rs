@@ -338,10 +338,15 @@ pub fn free_run(unit: Unit, run: &FreeRun) -> String {
     )
 }
 
-/// The reason why a stage was not evaluated.
+/// The reason why a stage was not evaluated, and what to do about it.
 #[must_use]
 pub fn not_testable(axis: &str, stage: &NotTestable) -> String {
-    format!("{axis}, {}: could not be evaluated; required: {}.", stage_names(&[stage.stage]), stage.needs)
+    let estimated = if stage.lacks_keys() { "; `init` estimates such values from logs" } else { "" };
+    format!(
+        "{axis}, {}: could not be evaluated; required: {}{estimated}.",
+        stage_names(&[stage.stage]),
+        stage.needs
+    )
 }
 
 #[cfg(test)]

@@ -7,8 +7,8 @@ use anyhow::Result;
 use super::compensate::{input_or_failure, motions_of};
 use super::outputs::{check_json_and_page, print, write_json};
 use super::progress::Progress;
-use ::budget::motions::{Travel, standard};
 use ::budget::{Budget, json, text};
+use commissioning::compensate::motions_within::{Travel, standard};
 use files::error::InputError;
 use model::machine::Machine;
 

@@ -31,7 +31,8 @@ pub struct Arguments {
     /// Compensation file to write (TOML).
     #[arg(long)]
     out: PathBuf,
-    /// Motion whose contour error counts; may be given several times; default: a circle and corners.
+    /// Motion whose contour error counts; may be given several times; default: a circle and corners, or the travel
+    /// in which the errors of the model are known.
     #[arg(long)]
     motion: Vec<PathBuf>,
     /// Write what is compensated and what is not as JSON.
@@ -78,7 +79,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let limits = arguments.limits.checked()?;
     let model = Machine::read(&arguments.model)?;
     let model_file = arguments.model.display().to_string();
-    let mut tests = test_motions(&arguments.motion, arguments.set_at_s)?;
+    let mut tests = test_motions(&arguments.motion, &model, arguments.set_at_s)?;
     let mut watched = standard_motions::all(&model, &tests, arguments.set_at_s)?;
     if arguments.format.is_some() {
         tests.iter_mut().chain(&mut watched).for_each(|test| test.settle_s = SETTLE_S);
@@ -169,8 +170,8 @@ impl LoopsBeforeAfter {
 }
 
 /// The motions of files, or the default ones.
-pub fn test_motions(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, InputError> {
-    if paths.is_empty() { counted_motions::default(start_s) } else { motions_of(paths, start_s) }
+pub fn test_motions(paths: &[PathBuf], model: &Machine, start_s: f64) -> Result<Vec<TestMotion>, InputError> {
+    if paths.is_empty() { counted_motions::default(model, start_s) } else { motions_of(paths, start_s) }
 }
 
 /// The motions of these files.

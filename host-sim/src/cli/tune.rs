@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     )?;
     let limits = arguments.limits.checked()?;
     let machine = Machine::read(&arguments.machine)?;
-    let tests = test_motions(&arguments.motion, 0.0)?;
+    let tests = test_motions(&arguments.motion, &machine, 0.0)?;
     let instruments = Instruments::of(&machine, 1);
     let progress = Progress::start();
     progress.show("simulating the motions with each position loop");

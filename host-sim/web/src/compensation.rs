@@ -22,7 +22,7 @@ pub fn of_model(request: &Compensate, progress: &Progress<'_>) -> Result<Value, 
     let control = Control::from_str(&request.control, true)?;
     let model = Machine::parse(&request.model, "machine file").map_err(|error| error.to_string())?;
     progress("simulating the motions with and without each compensation");
-    let mut tests = counted_motions::default(0.0).map_err(|error| error.to_string())?;
+    let mut tests = counted_motions::default(&model, 0.0).map_err(|error| error.to_string())?;
     let mut watched = standard_motions::all(&model, &tests, 0.0).map_err(|error| error.to_string())?;
     tests.iter_mut().chain(&mut watched).for_each(|test| test.settle_s = SETTLE_S);
     let planning = Planning {

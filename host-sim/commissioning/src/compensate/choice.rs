@@ -23,7 +23,8 @@ pub(crate) enum Part {
 /// one tick late; drive and velocity reading change that by a part of a tick.
 const AHEAD_TICKS: [f64; 7] = [0.0, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0];
 
-/// Shares of the time constant of a drive whose velocity is commanded that are tried as times of the feed-forward.
+/// Shares of the time constant of a drive whose velocity is commanded that are tried as times of the feed-forward, each alone and with the tick
+/// of the backward difference.
 const AHEAD_SHARES: [f64; 3] = [0.5, 0.75, 1.0];
 
 /// Changes of that time that are tried beside a gentler feed-forward, position ticks.
@@ -50,8 +51,9 @@ impl Strength {
     /// Everything, with each of the times of the velocity feed-forward. A drive whose velocity is commanded is late by its time constant,
     /// s, as well; 0: there is none.
     pub fn full(tick_s: f64, time_constant_s: f64) -> impl Iterator<Item = Self> {
-        let late_s = AHEAD_SHARES.map(|share| (share * time_constant_s).min(MOST_AHEAD_TICKS * tick_s));
-        let late_s = late_s.into_iter().filter(|late_s| *late_s > 0.0);
+        let late_s = AHEAD_SHARES.into_iter().filter(move |_| time_constant_s > 0.0).flat_map(move |share| {
+            [0.0, 1.0].map(|ticks| (share * time_constant_s + ticks * tick_s).min(MOST_AHEAD_TICKS * tick_s))
+        });
         let ahead_s = AHEAD_TICKS.into_iter().map(move |ticks| ticks * tick_s).chain(late_s);
         ahead_s.map(|ahead_s| Self { ahead_s, ..Self::default() })
     }

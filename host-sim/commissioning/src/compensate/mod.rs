@@ -7,6 +7,7 @@
 //! - [`plan`]: the compensation of a model, without the items that the prediction does not support
 //! - `choice`: what of a possible compensation is used; [`watched`]: motions that it may not make worse, such as the
 //!   [`standard_motions`]
+//! - [`motions_within`]: motions within the travel of the axes
 //! - [`mapped`]: the travel that a compensation is made for, and motions that leave it
 //! - [`listed`]: the items of a plan, and what is left out
 //! - `capacity`: what of a model is beyond what the controller can compensate
@@ -29,6 +30,7 @@ pub mod json;
 pub mod limits;
 pub mod listed;
 pub mod mapped;
+pub mod motions_within;
 pub mod plan;
 pub mod planning;
 pub mod prediction;

@@ -60,8 +60,12 @@ impl Planning<'_> {
         let before = self.errors(&CompensationFile::none(self.model))?;
         let unknown = self.unknown()?;
         let (mut best_um, mut choice) = self.start(&unknown)?;
+        let assumed = equivalent::of(self.model).1;
+        // A loop that is assumed cannot say that an error which was measured is not worth a compensation.
+        let may_go = |part: &Part| assumed.is_empty() || !matches!(part, Part::Effect(..));
         loop {
-            match self.without_each(&choice)?.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)) {
+            let without = self.without_each(&choice)?.into_iter().filter(|(part, _)| may_go(part));
+            match without.min_by(|a, b| a.1.total_cmp(&b.1)) {
                 Some((part, rms_um)) if rms_um <= best_um * (1.0 - MIN_LOSS) => {
                     best_um = rms_um;
                     choice.off.insert(part);
@@ -80,7 +84,6 @@ impl Planning<'_> {
         let mut file = self.file(&choice)?;
         let after_um = total_rms_um(&self.errors(&file)?);
         let beyond = self.leaving(&file)?;
-        let assumed = equivalent::of(self.model).1;
         file.predicted = self.predictions(&file, &beyond, assumed.is_empty())?;
         let without = self.without_each(&choice)?.into_iter();
         let items =

@@ -186,8 +186,9 @@ impl Context<'_> {
             let what = format!("no such key, as drive is \"{}\"", controller.drive.word());
             return Err(self.refuse(key.name, &what));
         }
-        // Without a controller, its filters and limits would have no effect.
-        let of_controller = |key: &&Key| ["filters", "limits"].contains(&key.group);
+        // Without a controller, its filters and limits would have no effect, but for the travel: tables and motions are within it.
+        let of_controller =
+            |key: &&Key| ["filters", "limits"].contains(&key.group) && key.name != "travel_mm";
         let given = KEYS.iter().filter(of_controller).find(|key| (key.is_given)(self.settings));
         if let (Drive::Torque, None, Some(given)) = (controller.drive, controller.law, given) {
             return Err(self.refuse("controller", &format!("a value beside {}", given.name)));

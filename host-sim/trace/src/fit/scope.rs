@@ -67,6 +67,14 @@ pub struct NotTestable {
     pub needs: String,
 }
 
+impl NotTestable {
+    /// Whether keys of the machine file are missing, which may be estimated from logs.
+    #[must_use]
+    pub fn lacks_keys(&self) -> bool {
+        self.needs.contains("in the machine file")
+    }
+}
+
 impl Scope {
     /// Whether the table driven by the measured motor is simulated for some of the stages.
     #[must_use]

@@ -3,8 +3,8 @@
 
 mod second_simulator;
 
-use budget::motions::{Travel, standard};
 use budget::{Budget, MotionBudget};
+use commissioning::compensate::motions_within::{Travel, standard};
 use commissioning::compensate::planning::Planning;
 use commissioning::compensate::prediction::TestMotion;
 use model::machine::Machine;
@@ -80,6 +80,20 @@ fn what_is_left_with_a_compensation_is_what_compensate_predicts() {
     let gap = motion.causes.iter().find(|cause| cause.name == "backlash").unwrap();
     let (before_um, after_um) = (gap.share.rms, gap.compensated.unwrap().rms);
     assert!(after_um.abs() < 0.25 * before_um, "{before_um} {after_um}");
+}
+
+/// Of a machine with masses and a spring, but without gains, a loop is assumed that is stable. It follows its command but for the friction: the
+/// contour error of a gap of w on a circle is ±w/2 times the cosine of the angle to its axis, w/√8 rms, less what friction hides of it.
+#[test]
+fn a_machine_without_gains_has_the_budget_of_its_gap() {
+    let has_gain =
+        |line: &&str| line.contains("gain") || line.starts_with("feedforward") || line.contains("integral");
+    let declared: Vec<&str> = model::examples::DEMO_MACHINE.lines().filter(|line| !has_gain(line)).collect();
+    let text = format!("{}\n[[axis.x.effect]]\nname = 'backlash'\nwidth_um = 12.0\n", declared.join("\n"));
+    let motion = on_circle(&Machine::parse(&text, "m.toml").unwrap());
+    let gap = motion.causes.iter().find(|cause| cause.name == "backlash").unwrap();
+    let expected_um = 12.0 / 8f64.sqrt();
+    assert!((0.8..1.1).contains(&(gap.share.rms / expected_um)), "{:?}", gap.share);
 }
 
 /// The curve of the circle belongs to its figures: the tool is at least as far from the path as the circle deviates. G is a range about the

@@ -1,8 +1,9 @@
-//! Motions for a budget where none is given: a circle, corners, travels and a small part, within the travel of the axes.
+//! Motions within the travel of the axes where none are given: a circle, corners, travels and a small part.
 
-use commissioning::compensate::mapped;
-use commissioning::compensate::prediction::TestMotion;
 use indexmap::IndexMap;
+
+use crate::compensate::mapped;
+use crate::compensate::prediction::TestMotion;
 use model::axis::KeyNames;
 use model::machine::Machine;
 use motion::{Block, Motion, Pace, Sweep};
@@ -43,7 +44,18 @@ impl Travel {
     }
 }
 
-/// The motions for the first three axes: with one of them its travel alone.
+/// The motions of a compensation that is to cover the whole travel: a circle and corners, if there are two axes, and the travel of each.
+#[must_use]
+pub fn whole_travel(axes: &[Travel], start_s: f64) -> Vec<TestMotion> {
+    let axes = &axes[..axes.len().min(motion::MAX_AXES)];
+    let plane = (axes.len() > 1).then(|| Plane::of(axes));
+    let in_plane = plane.iter().flat_map(|plane| [plane.circle(), plane.corners()]);
+    let whole_mm = |axis: &Travel| 0.5 * (axis.ends_mm[1] - axis.ends_mm[0]);
+    let motions = in_plane.chain((!axes.is_empty()).then(|| travel(axes, whole_mm)));
+    motions.map(|motion| TestMotion::of_program(motion, start_s)).collect()
+}
+
+/// The motions of an error budget, for the first three axes: with one of them its travel alone.
 #[must_use]
 pub fn standard(axes: &[Travel]) -> Vec<TestMotion> {
     let axes = &axes[..axes.len().min(motion::MAX_AXES)];
@@ -52,7 +64,8 @@ pub fn standard(axes: &[Travel]) -> Vec<TestMotion> {
     }
     let plane = (axes.len() > 1).then(|| Plane::of(axes));
     let in_plane = plane.iter().flat_map(|plane| [plane.circle(), plane.corners(), plane.part()]);
-    let motions: Vec<Motion> = in_plane.chain([travel(axes)]).collect();
+    let motions: Vec<Motion> =
+        in_plane.chain([travel(axes, |axis| half(axis).min(HALF_TRAVEL_MM))]).collect();
     motions.into_iter().map(|motion| TestMotion::of_program(motion, 0.0)).collect()
 }
 
@@ -74,13 +87,13 @@ fn motion(name: &str, start_mm: IndexMap<String, f64>, blocks: Vec<Block>) -> Mo
     Motion { name: name.to_owned(), start_mm, blocks: std::iter::once(rest).chain(blocks).collect() }
 }
 
-/// Every axis, one after the other, over its travel and back.
-fn travel(axes: &[Travel]) -> Motion {
+/// Every axis, one after the other, by a half of its travel to either side of its centre.
+fn travel(axes: &[Travel], half_mm: impl Fn(&Travel) -> f64) -> Motion {
     let centre_mm: IndexMap<String, f64> =
         axes.iter().map(|axis| (axis.axis.clone(), centre(axis))).collect();
     let mut blocks = Vec::new();
     for axis in axes {
-        let half_mm = half(axis).min(HALF_TRAVEL_MM);
+        let half_mm = half_mm(axis);
         for offset_mm in [half_mm, -half_mm, 0.0] {
             let mut to_mm = centre_mm.clone();
             to_mm[&axis.axis] += offset_mm;
@@ -177,5 +190,10 @@ mod tests {
             }
         }
         assert_eq!(standard(&axes[..1]).len(), 1);
+        let whole = whole_travel(&axes[..1], 0.0);
+        assert_eq!(whole.len(), 1);
+        let path = MachinePath::new(&whole[0].motion, &machine, "whole").unwrap();
+        let [least, greatest] = NominalPath::of_blocks(&path.start_m, &path.blocks).extent_m(0);
+        assert!((least - 0.01).abs() < 1e-9 && (greatest - 0.09).abs() < 1e-9, "{least} {greatest}");
     }
 }
