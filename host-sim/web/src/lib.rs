@@ -90,7 +90,7 @@ mod tests {
             assert_eq!(seen["ok"][0]["kind"], "unknown", "{seen}");
             seen["ok"][0]["error"].as_str().unwrap().to_owned()
         };
-        assert_eq!(said("", table), "b.txt: no column has a known name. Choose below what each column is.");
+        assert_eq!(said("", table), "No column has a known name. Choose below what each column is.");
         let timeless = said(r#""x_command_mm=2""#, table);
         assert!(timeless.contains("a column of times, or the samples per second"), "{timeless}");
         let ballbar = said("", "Deviation;Run\n1;2\n2;3\n3;4\n");

@@ -58,7 +58,7 @@ pub fn look(file: &DroppedFile<'_>) -> Value {
             let columns = columns(file);
             let has_columns = columns.as_array().is_some_and(|columns| !columns.is_empty());
             let error = error.to_string();
-            let error = if has_columns { problem(&error, &file.name) } else { without_advice(&error) };
+            let error = if has_columns { problem(&error) } else { without_advice(&error) };
             json!({"name": file.name, "kind": "unknown", "error": error, "columns": columns})
         }
     }
@@ -70,7 +70,7 @@ fn without_advice(error: &str) -> String {
 }
 
 /// The problem of a file whose columns are chosen below it: the page has no flags.
-fn problem(error: &str, name: &str) -> String {
+fn problem(error: &str) -> String {
     /// What the import asks for by flags, and the words of the page.
     const BY_FLAGS: [(&str, &str); 4] = [
         (" (--map time_s=THEIRS), or --rate HZ", ", or the samples per second"),
@@ -82,7 +82,7 @@ fn problem(error: &str, name: &str) -> String {
         ("--map: ", ""),
     ];
     if error.contains("--map OURS=THEIRS for") {
-        return format!("{name}: no column has a known name. Choose below what each column is.");
+        return "No column has a known name. Choose below what each column is.".to_owned();
     }
     let words = BY_FLAGS.iter().fold(without_advice(error), |text, (flag, words)| text.replace(flag, words));
     format!("{words}. Choose below what each column is.")
