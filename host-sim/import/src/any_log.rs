@@ -19,7 +19,7 @@ use crate::request::Request;
 use crate::{Foreign, Imported, ballbar, foreign};
 
 /// What to do about a file that is no log.
-const ADVICE: &str = "a log of another program is read with --map OURS=THEIRS, --unit, --rate and --preset: lost-motion import --help";
+pub const ADVICE: &str = "a log of another program is read with --map OURS=THEIRS, --unit, --rate and --preset: lost-motion import --help";
 
 /// What a file of a circle holds.
 pub enum Content<'a> {

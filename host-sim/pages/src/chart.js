@@ -60,7 +60,10 @@ for (const svg of document.querySelectorAll("svg.chart")) {
     const [low, high] = view;
     const most = Math.max(2, Math.floor(plane.parentNode.clientWidth / LABEL_PX) - 1);
     const power = 10 ** Math.floor(Math.log10((high - low) / most));
-    const step = [1, 2, 5, 10].map((times) => times * power).find((step) => step * most >= (high - low) * (1 - 1e-9));
+    const fitting = [1, 2, 5, 10].map((times) => times * power).find((step) => step * most >= (high - low) * (1 - 1e-9));
+    // What is counted, such as runs, has nothing between two of them (see plot.rs).
+    const isCounted = !abscissa.includes(", ") && places.every(Number.isInteger);
+    const step = isCounted ? Math.max(fitting, 1) : fitting;
     const digits = Math.max(0, -Math.floor(Math.log10(step * 1.001)));
     const made = element("g", { class: "ticks" });
     for (let i = Math.ceil(low / step); high / step >= i; i += 1) {

@@ -101,6 +101,22 @@ pub fn folded(summary: &str, body: &Markup) -> Markup {
     }
 }
 
+/// Text that keeps its spaces and lines, such as columns of a terminal; it scrolls by itself where it is wider than the page, also by
+/// keyboard. The label is read by screen readers.
+#[must_use]
+pub fn preformatted(label: &str, lines: &str) -> Markup {
+    html! { pre.scroll tabindex="0" role="region" aria-label=(label) { (text(lines)) } }
+}
+
+/// A cell of a column of words. Where its text is as long as a sentence, the column keeps room for several words.
+#[must_use]
+pub fn words_cell(shown: &str) -> Markup {
+    /// Characters that fit into a column as wide as a few headings.
+    const SHORT: usize = 30;
+    let is_sentence = shown.chars().count() > SHORT;
+    html! { td class=[is_sentence.then_some("sentence")] { (text(shown)) } }
+}
+
 /// A cell of a column of numbers.
 #[must_use]
 pub fn number_cell(shown: &str) -> Markup {
@@ -207,6 +223,23 @@ mod tests {
         assert_eq!(legend(&entries).0.matches("class=\"a&quot;b\"").count(), 3);
         assert_eq!(legend(&entries).0.matches("&lt;</span> ").count(), 3);
         assert_eq!(legend(&[]).0, "");
+    }
+
+    /// The stylesheet keeps room for a sentence, not for a word.
+    #[test]
+    fn a_sentence_in_a_cell_has_its_room() {
+        assert_eq!(words_cell("certain").0, "<td>certain</td>");
+        let sentence = "compensate: half of the width after each reversal";
+        assert_eq!(words_cell(sentence).0, format!("<td class=\"sentence\">{sentence}</td>"));
+        assert!(crate::STYLE.contains(".sentence { min-width:"));
+    }
+
+    #[test]
+    fn preformatted_text_scrolls_by_itself_and_is_escaped() {
+        assert_eq!(
+            preformatted("a < b", "a  <\nb").0,
+            "<pre class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"a &lt; b\">a  &lt;\nb</pre>"
+        );
     }
 
     #[test]

@@ -119,8 +119,8 @@ impl Chart<'_> {
             self.layers.iter().map(|layer| (layer.ink.class(), &layer.points[..])).collect();
         let decimals = Decimals::of(&curves);
         let ((left, right), (low, high)) = self.range();
-        let columns = ticks::within([left, right], (width / LABEL_WIDTH).max(3), FEW);
-        let rows = ticks::within([low, high], ROWS, ROWS);
+        let columns = ticks::within([left, right], (width / LABEL_WIDTH).max(3), FEW, self.least_step());
+        let rows = ticks::within([low, high], ROWS, ROWS, 0.0);
         let element = html! {
             svg.chart.plan[is_plan] style=(format_args!("--width:{width};--height:{height}")) role="img"
                 data-figures=(decimals.heading([self.x, self.y]))
@@ -155,6 +155,14 @@ impl Chart<'_> {
                 }
             }
         }
+    }
+
+    /// Smallest step of the horizontal axis: 1 if it counts, such as runs. Then there is no unit, all abscissas are whole, and nothing is
+    /// between two of them.
+    fn least_step(&self) -> f64 {
+        let mut abscissas = self.layers.iter().flat_map(|layer| &layer.points).map(|point| point.0);
+        let counts = !self.x.contains(", ") && abscissas.all(|x| libm::trunc(x).to_bits() == x.to_bits());
+        if counts { 1.0 } else { 0.0 }
     }
 
     /// Ends of both axes: they include all points and the noise band, vertically with a margin.
@@ -288,6 +296,30 @@ mod tests {
         }
         assert_eq!(svg.matches("<svg").count(), svg.matches("</svg>").count());
         assert_eq!(svg, chart.svg());
+    }
+
+    #[test]
+    fn runs_are_counted_in_whole_numbers() {
+        let labels = |x: &str, last: f64| {
+            let layers = vec![Layer {
+                ink: Ink::Third,
+                points: vec![(1.0, 0.0), (2.0, 1.0), (last, 0.5)],
+                is_marked: true,
+            }];
+            let size = (960, 220);
+            let chart = Chart { size, title: "", description: "", x, y: "", noise: None, layers };
+            let svg = chart.svg();
+            svg.split_once("class=\"ticks\"")
+                .unwrap()
+                .1
+                .split_once("</g>")
+                .unwrap()
+                .0
+                .matches("<text")
+                .count()
+        };
+        assert_eq!(labels("run", 3.0), 3);
+        assert!(labels("run", 3.5) > 5 && labels("time, s", 3.0) > 5);
     }
 
     #[test]

@@ -39,11 +39,15 @@ pub const fn class(is_clockwise: bool) -> &'static str {
     if is_clockwise { "cw" } else { "ccw" }
 }
 
-/// The legend of both directions.
+/// The legend of the directions of the lines that are drawn: whether each is clockwise.
 #[must_use]
-pub fn directions() -> Markup {
-    let entry = |is_clockwise, meaning| line_entry(class(is_clockwise), meaning);
-    legend(&[entry(true, "clockwise"), entry(false, "counter-clockwise")])
+pub fn directions(drawn: impl IntoIterator<Item = bool>) -> Markup {
+    const MEANINGS: [(bool, &str); 2] = [(true, "clockwise"), (false, "counter-clockwise")];
+    let drawn: Vec<bool> = drawn.into_iter().collect();
+    let there = MEANINGS.into_iter().filter(|(is_clockwise, _)| drawn.contains(is_clockwise));
+    let entries: Vec<Markup> =
+        there.map(|(is_clockwise, meaning)| line_entry(class(is_clockwise), meaning)).collect();
+    legend(&entries)
 }
 
 /// The SVG element: lines, each with a class of the stylesheet, through points of angle (rad) and deviation (µm).
@@ -133,6 +137,16 @@ fn labels([x, y]: [&str; 2], division_um: f64) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A circle that was run in one direction has no line of the other.
+    #[test]
+    fn the_legend_has_the_directions_that_are_drawn() {
+        let has =
+            |legend: &Markup| [">clockwise<", ">counter-clockwise<"].map(|words| legend.0.contains(words));
+        assert_eq!(has(&directions([false, true, false])), [true, true]);
+        assert_eq!(has(&directions([true, true])), [true, false]);
+        assert_eq!(has(&directions([false])), [false, true]);
+    }
 
     /// The script computes deviations back from the picture, with the measures of the picture.
     #[test]

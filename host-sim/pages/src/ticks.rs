@@ -13,10 +13,10 @@ pub(super) struct Tick {
     pub is_coarse: bool,
 }
 
-/// The ticks within two ends: at most `most` steps, and at most `few` of the coarse ones.
-pub(super) fn within([low, high]: [f64; 2], most: u32, few: u32) -> Vec<Tick> {
+/// The ticks within two ends: at most `most` steps, and at most `few` of the coarse ones; no step is below `least`, which is 0 or 1.
+pub(super) fn within([low, high]: [f64; 2], most: u32, few: u32, least: f64) -> Vec<Tick> {
     let range = high - low;
-    let step = step_of(range / f64::from(most));
+    let step = step_of((range / f64::from(most)).max(least));
     let every = coarser(step, range / f64::from(few));
     #[expect(
         clippy::cast_possible_truncation,
@@ -63,7 +63,7 @@ mod tests {
     use super::*;
 
     fn labels(ends: [f64; 2], most: u32) -> Vec<String> {
-        within(ends, most, most).into_iter().map(|tick| tick.label).collect()
+        within(ends, most, most, 0.0).into_iter().map(|tick| tick.label).collect()
     }
 
     #[test]
@@ -74,6 +74,16 @@ mod tests {
         assert_eq!(labels([-1.7, 0.2], 6), ["−1.5", "−1.0", "−0.5", "0.0"]);
     }
 
+    /// The runs of a test are counted: there is no run 1.2.
+    #[test]
+    fn what_is_counted_has_whole_numbers_as_labels() {
+        let counted =
+            |ends| -> Vec<String> { within(ends, 16, 6, 1.0).into_iter().map(|tick| tick.label).collect() };
+        assert_eq!(counted([1.0, 3.0]), ["1", "2", "3"]);
+        assert_eq!(counted([0.5, 1.5]), ["1"]);
+        assert_eq!(counted([1.0, 31.0]), labels([1.0, 31.0], 16));
+    }
+
     /// For ranges of all sizes: at least two labels where there is room, at least one where there is not, and no more than fit.
     #[test]
     fn every_range_has_enough_labels_and_not_too_many() {
@@ -81,7 +91,7 @@ mod tests {
             let range = 0.013 * f64::from(size);
             let low = -0.37 * range;
             for (most, few) in [(16, 5), (9, 5), (6, 6), (5, 5)] {
-                let ticks = within([low, low + range], most, few);
+                let ticks = within([low, low + range], most, few, 0.0);
                 let count = ticks.len();
                 // A step is at most 2.5 times the least: 2 to 5.
                 assert!(

@@ -61,21 +61,46 @@ pub fn title(effect: &Effect) -> String {
 /// The figures of ISO 230-2 in three lines, and why some are not given.
 #[must_use]
 pub fn figures(analysis: &Analysis) -> Vec<String> {
-    let f = &analysis.figures;
-    let um = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| fixed(value, 2));
-    let line = |name: &str, both: Option<f64>, positive: Option<f64>, negative: Option<f64>| {
-        format!("{name:<27} {:>8} {:>8} {:>8}", um(both), um(positive), um(negative))
+    let line = |(name, [both, positive, negative]): (&str, [String; 3])| {
+        format!("{name:<27} {both:>8} {positive:>8} {negative:>8}")
     };
+    let mut lines = vec![format!("{:<27} {:>8} {:>8} {:>8}", "ISO 230-2, µm", "both", "↑", "↓")];
+    lines.extend(figure_rows(analysis).map(line));
+    lines.extend(figure_remarks(analysis));
+    lines
+}
+
+fn figure_um(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".to_owned(), |value| fixed(value, 2))
+}
+
+/// The figures of ISO 230-2 that there are of both directions together and of each, µm.
+#[must_use]
+pub fn figure_rows(analysis: &Analysis) -> [(&'static str, [String; 3]); 3] {
+    let f = &analysis.figures;
+    [
+        ("accuracy A", [f.accuracy, f.accuracy_positive, f.accuracy_negative].map(figure_um)),
+        (
+            "systematic deviation E",
+            [f.systematic, f.systematic_positive, f.systematic_negative].map(figure_um),
+        ),
+        (
+            "repeatability R",
+            [f.repeatability, f.repeatability_positive, f.repeatability_negative].map(figure_um),
+        ),
+    ]
+}
+
+/// The other figures of ISO 230-2, of what they are, and why some are not given.
+#[must_use]
+pub fn figure_remarks(analysis: &Analysis) -> Vec<String> {
+    let f = &analysis.figures;
     let mut lines = vec![
-        format!("{:<27} {:>8} {:>8} {:>8}", "ISO 230-2, µm", "both", "↑", "↓"),
-        line("accuracy A", f.accuracy, f.accuracy_positive, f.accuracy_negative),
-        line("systematic deviation E", f.systematic, f.systematic_positive, f.systematic_negative),
-        line("repeatability R", f.repeatability, f.repeatability_positive, f.repeatability_negative),
         format!(
             "mean deviation's range M = {}, reversal B = {}, its mean B̄ = {}",
-            um(f.mean_range),
-            um(f.reversal),
-            um(f.mean_reversal)
+            figure_um(f.mean_range),
+            figure_um(f.reversal),
+            figure_um(f.mean_reversal)
         ),
         format!(
             "{} runs, {} targets from {} to {} mm",
@@ -99,21 +124,27 @@ fn position(at: Option<&Position>) -> String {
 /// The residual before and after, and what a table alone reaches.
 #[must_use]
 pub fn residuals(analysis: &Analysis) -> Vec<String> {
-    let residual = &analysis.residual;
-    let line = |name: &str, FitValidate { fit, validate }: FitValidate| {
+    let line = |(name, FitValidate { fit, validate }): (&str, FitValidate)| {
         let validate = validate
             .map_or_else(String::new, |um| format!(", {} µm rms of the validation runs", fixed(um, 2)));
         format!("{name:<33} {:>6} µm rms of the fitted runs{validate}", fixed(fit, 2))
     };
-    let mut lines = vec![
-        line("as measured", residual.before),
-        line("less a table of means", residual.table),
-        line("less the effects found", residual.after),
-    ];
-    if let Some(um) = residual.left_out {
+    let mut lines: Vec<String> = residual_rows(analysis).map(line).into();
+    if let Some(um) = analysis.residual.left_out {
         lines.push(format!("{:<33} {:>6} µm rms", "runs left out of the fit", fixed(um, 2)));
     }
     lines
+}
+
+/// The residual of the readings: as they are, less a table, less the effects.
+#[must_use]
+pub const fn residual_rows(analysis: &Analysis) -> [(&'static str, FitValidate); 3] {
+    let residual = &analysis.residual;
+    [
+        ("as measured", residual.before),
+        ("less a table of means", residual.table),
+        ("less the effects found", residual.after),
+    ]
 }
 
 /// What no table gets below; `None` where the readings do not tell the scatter.

@@ -129,7 +129,7 @@ pub(crate) fn on_one_scale(errors: &[(&str, &ContourError)], axes: &[String], la
             @for (title, circle) in &circles { (picture(title, circle, division_um, axes)) }
             @if let Some(alone) = &alone { (alone) }
         }
-        (directions())
+        (directions(circles.iter().flat_map(|(_, circle)| &circle.laps).map(|lap| lap.is_clockwise)))
     }
 }
 

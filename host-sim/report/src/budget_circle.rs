@@ -23,7 +23,7 @@ pub fn of_motion(motion: &MotionBudget) -> Markup {
                 (one_of("Without one cause", "all causes", &with_all(motion), &choices))
             }
         }
-        (directions())
+        (directions(whole.laps.iter().map(|lap| lap.is_clockwise)))
     }
 }
 

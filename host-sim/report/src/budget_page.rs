@@ -10,7 +10,7 @@ use budget::text::sentence;
 use budget::{Budget, CauseShare, MotionBudget};
 use files::format::significant;
 use files::output::OutputError;
-use pages::markup::{Column, list, note, number_cell, paragraph, section, table, text};
+use pages::markup::{Column, list, note, number_cell, paragraph, section, table, text, words_cell};
 
 /// Length of the longest bar, units of the drawing.
 const LONGEST: f64 = 100.0;
@@ -97,7 +97,7 @@ fn row(cause: &CauseShare, longest_um: f64) -> Markup {
             (number_cell(&cause.share.circular.map_or("–".to_owned(), um)))
             (number_cell(&cause.compensated.map_or("–".to_owned(), |sizes| um(sizes.rms))))
             td { (cause.certainty.word()) }
-            td { (text(&cause.remedy)) }
+            (words_cell(&cause.remedy))
         }
     }
 }

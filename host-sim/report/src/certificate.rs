@@ -8,7 +8,7 @@ use budget::{Budget, MotionBudget};
 use files::format::significant;
 use model::effects::Stage;
 use pages::file_name;
-use pages::markup::{Column, note, number_cell, table, table_with, text};
+use pages::markup::{Column, note, number_cell, table, table_with, text, words_cell};
 use trace::analysis::residual_analysis::UnexplainedResidual;
 use trace::input::signals::Signals;
 use trace::stages::{residual_unit, stage_names};
@@ -120,8 +120,8 @@ pub fn limits(judgements: &[Judgement]) -> Markup {
                 (number_cell(&significant(judgement.limit_um, 3)))
                 (number_cell(&judgement.value_um.map_or("–".to_owned(), |um| significant(um, 3))))
                 td.result { (judgement.result.word()) }
-                td { (text(&judgement.judged_by())) }
-                td { (text(&judgement.why)) }
+                (words_cell(&judgement.judged_by()))
+                (words_cell(&judgement.why))
             }
         }
     };

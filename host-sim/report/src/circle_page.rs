@@ -13,7 +13,7 @@ use circle::text::{cells, figures, sentence, title};
 use files::format::{signed, significant};
 use files::output::OutputError;
 use pages::file_name;
-use pages::markup::{Column, figure, list, note, number_cell, paragraph, section, table, text};
+use pages::markup::{Column, figure, list, note, number_cell, paragraph, section, table, text, words_cell};
 use pages::polar::{class, directions, division_for, drawing, magnification};
 
 /// Writes the page into a folder, which is created if it does not exist, and returns its path.
@@ -48,7 +48,7 @@ fn measured(analysis: &Analysis) -> Markup {
         .collect();
     html! {
         div.circles { (picture(analysis, "As measured", &lines)) }
-        (directions())
+        (directions(analysis.figures.directions.iter().map(|direction| direction.is_clockwise)))
         @if !analysis.measured.notes.is_empty() { (list(&analysis.measured.notes)) }
     }
 }
@@ -89,7 +89,7 @@ fn parts(analysis: &Analysis) -> Markup {
             @let [part, axis, um, interval, certainty, rivals, details] = cells(part);
             tr {
                 td { (text(&part)) } td { (text(&axis)) } (number_cell(&um)) (number_cell(&interval))
-                td { (text(&certainty)) } td { (text(&rivals)) } td { (text(&details)) }
+                td { (text(&certainty)) } (words_cell(&rivals)) (words_cell(&details))
             }
         }
     };
@@ -111,7 +111,7 @@ fn alone(analysis: &Analysis) -> Markup {
             div.circles {
                 @for part in &drawn { (of_part(analysis, part)) }
             }
-            (directions())
+            (directions(analysis.figures.directions.iter().map(|direction| direction.is_clockwise)))
         }
     }
 }

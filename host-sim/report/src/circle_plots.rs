@@ -34,7 +34,7 @@ pub fn body(trace: &Identification, views: &[AxisView<'_>]) -> Markup {
                 (picture(&run, "Unexplained after", after, same))
             }
         }
-        (directions())
+        (directions(measured.iter().map(|lap| lap.is_clockwise)))
     }
 }
 

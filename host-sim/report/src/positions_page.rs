@@ -4,17 +4,18 @@ use std::path::{Path, PathBuf};
 
 use maud::{Markup, html};
 
+use files::format::fixed;
 use files::output::OutputError;
 use pages::file_name;
 use pages::markup::{
-    Column, figure, legend, line_entry, list, number_cell, paragraph, point_entry, section, surface_entry,
-    table, text,
+    Column, figure, legend, line_entry, list, note, number_cell, paragraph, point_entry, section,
+    surface_entry, table, text, words_cell,
 };
 use pages::plot::{Chart, Ink, Layer};
 use positions::Analysis;
 use positions::effect::Effect;
 use positions::measured::Way;
-use positions::text::{cells, figures, floor, residuals, sentence};
+use positions::text::{cells, figure_remarks, figure_rows, floor, residual_rows, sentence};
 
 /// Writes the page into a folder, which is created if it does not exist, and returns its path.
 ///
@@ -28,7 +29,7 @@ pub fn write(folder: &Path, analysis: &Analysis) -> Result<PathBuf, OutputError>
 #[must_use]
 pub fn html(analysis: &Analysis) -> String {
     let sections = html! {
-        (section("Figures after ISO 230-2", &preformatted(&figures(analysis))))
+        (section("Figures after ISO 230-2", &figures(analysis)))
         (section("Deviation over position", &measured(analysis)))
         (section("What it is made of", &effects(&analysis.effects)))
         (section("What is left", &left(analysis)))
@@ -39,8 +40,14 @@ pub fn html(analysis: &Analysis) -> String {
     pages::render(&format!("Positions: {}", file_name(&analysis.test.source)), &lead, &sections)
 }
 
-fn preformatted(lines: &[String]) -> Markup {
-    html! { pre { (text(&lines.join("\n"))) } }
+fn figures(analysis: &Analysis) -> Markup {
+    let columns = [Column::Words("µm"), Column::Numbers("both"), Column::Numbers("↑"), Column::Numbers("↓")];
+    let rows = html! {
+        @for (name, values) in figure_rows(analysis) {
+            tr { th scope="row" { (name) } @for um in &values { (number_cell(um)) } }
+        }
+    };
+    html! { (table("Figures after ISO 230-2", &columns, &rows)) (list(&figure_remarks(analysis))) }
 }
 
 fn notes(notes: &[String]) -> Markup {
@@ -52,6 +59,13 @@ const fn ink(way: Way) -> Ink {
         Way::Positive => Ink::Third,
         Way::Negative => Ink::Fourth,
     }
+}
+
+/// The legend of those directions in which a target was approached: class and words of an entry.
+fn approached<'a>(analysis: &Analysis, words: [&'a str; 2]) -> Vec<(&'static str, &'a str)> {
+    let is_there = |way: Way| analysis.test.readings.iter().any(|reading| reading.way == way);
+    let entries = Way::BOTH.into_iter().zip(["cw", "ccw"]).zip(words);
+    entries.filter(|((way, _), _)| is_there(*way)).map(|((_, class), words)| (class, words)).collect()
 }
 
 /// Points that no line joins.
@@ -87,13 +101,12 @@ fn measured(analysis: &Analysis) -> Markup {
         noise: Some(0.0),
         layers: bands.into_iter().chain(lines).collect(),
     };
+    let means = approached(analysis, ["mean, approached in + direction", "mean, in − direction"]);
+    let mut entries: Vec<Markup> = means.iter().map(|(class, words)| line_entry(class, words)).collect();
+    entries.extend(means.first().map(|(class, _)| point_entry(class, "one reading")));
+    entries.push(surface_entry("noise", "± 2 standard deviations"));
     html! {
-        (legend(&[
-            line_entry("cw", "mean, approached in + direction"),
-            line_entry("ccw", "in − direction"),
-            point_entry("cw", "one reading"),
-            surface_entry("noise", "± 2 standard deviations"),
-        ]))
+        (legend(&entries))
         (figure("wide", &chart.svg(), "Actual position less target."))
     }
 }
@@ -116,10 +129,10 @@ fn effects(effects: &[Effect]) -> Markup {
             tr {
                 td { (text(&name)) }
                 (number_cell(&um))
-                td { (text(&parameters)) }
+                (words_cell(&parameters))
                 td { (text(&certainty)) }
-                td { (text(&rivals)) }
-                td { (text(&effect.sentence)) }
+                (words_cell(&rivals))
+                (words_cell(&effect.sentence))
             }
         }
     };
@@ -144,16 +157,43 @@ fn left(analysis: &Analysis) -> Markup {
         noise: Some(2.0 * analysis.scatter_um.unwrap_or(0.0)),
         layers: fitted.chain(held).collect(),
     };
+    let fitted = approached(analysis, ["fitted, in + direction", "fitted, in − direction"]);
+    let mut entries: Vec<Markup> = fitted.iter().map(|(class, words)| point_entry(class, words)).collect();
+    if analysis.left.iter().any(|left| !left.is_fitted) {
+        entries.push(point_entry("after", "validation runs"));
+    }
+    entries.push(surface_entry("noise", "± 2 standard deviations of the scatter"));
     html! {
-        (legend(&[
-            point_entry("cw", "fitted, in + direction"),
-            point_entry("ccw", "fitted, in − direction"),
-            point_entry("after", "validation runs"),
-            surface_entry("noise", "± 2 standard deviations of the scatter"),
-        ]))
+        (legend(&entries))
         (figure("wide", &chart.svg(), "Measured less the effects found."))
-        (preformatted(&residuals(analysis)))
+        (residuals(analysis))
         @if let Some(floor) = floor(analysis) { (paragraph(&floor)) }
+    }
+}
+
+/// The residual of the fitted and of the validation runs, and of runs that were left out.
+fn residuals(analysis: &Analysis) -> Markup {
+    let rows = residual_rows(analysis);
+    let has_validation = rows.iter().any(|(_, um)| um.validate.is_some());
+    let mut columns = vec![Column::Words("µm rms"), Column::Numbers("fitted runs")];
+    if has_validation {
+        columns.push(Column::Numbers("validation runs"));
+    }
+    let cell = |um: Option<f64>| number_cell(&um.map_or_else(|| "–".to_owned(), |um| fixed(um, 2)));
+    let body = html! {
+        @for (name, um) in &rows {
+            tr {
+                th scope="row" { (name) }
+                (cell(Some(um.fit)))
+                @if has_validation { (cell(um.validate)) }
+            }
+        }
+    };
+    html! {
+        (table("Residual of the readings", &columns, &body))
+        @if let Some(um) = analysis.residual.left_out {
+            (note(&format!("Fitted runs that were left out of the fit one by one: {} µm rms.", fixed(um, 2))))
+        }
     }
 }
 
@@ -185,5 +225,10 @@ fn runs(analysis: &Analysis) -> Markup {
         noise: Some(0.0),
         layers,
     };
-    figure("wide", &chart.svg(), "Deviation at each target in each direction, less its mean over the runs.")
+    let ways = approached(analysis, ["a target, approached in + direction", "a target, in − direction"]);
+    let entries: Vec<Markup> = ways.iter().map(|(class, words)| line_entry(class, words)).collect();
+    html! {
+        (legend(&entries))
+        (figure("wide", &chart.svg(), "Deviation at each target in each direction, less its mean over the runs."))
+    }
 }

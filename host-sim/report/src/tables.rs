@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use contour::log_error::LogError;
 use files::format::{signed, significant};
 use model::effects::Effect;
-use pages::markup::{Column, note, number_cell, paragraph, table, table_with, text};
+use pages::markup::{Column, note, number_cell, paragraph, table, table_with, text, words_cell};
 use trace::AxisIdentification;
 use trace::judge::StageResidual;
 use trace::judge::found_effect::FoundEffect;
@@ -161,9 +161,9 @@ fn row([axis, truth, found, errors]: [&str; 4]) -> Markup {
     html! {
         tr {
             th scope="row" { (text(axis)) }
-            td { (text(truth)) }
-            td { (text(found)) }
-            td { (text(errors)) }
+            (words_cell(truth))
+            (words_cell(found))
+            (words_cell(errors))
         }
     }
 }

@@ -114,7 +114,7 @@ fn the_page_has_all_sections_with_their_results() {
     assert!(page.contains("; it explains the table residual of held-out motions, which is "));
     assert!(page.contains("y: no undeclared effect found"));
     let truth = text("4.000 µm backlash between screw and table").0;
-    assert!(page.contains(&format!("<td>{truth}</td>")), "the truth");
+    assert!(page.contains(&format!("<td class=\"sentence\">{truth}</td>")), "the truth");
     assert!(page.contains("a circle of 25.0 mm radius"));
     assert!(page.contains("class=\"cw\" points") && page.contains("class=\"ccw\" points"));
     assert!(page.contains("x, tool: could not be evaluated; required: a tool channel."));
@@ -167,7 +167,7 @@ fn the_comparison_with_the_truth_lists_missed_and_false_effects() {
     let page = html(&traced(), &extra("name = 'windup'\nstiffness_n_per_um = 120"));
     assert!(page.contains("<td>not found</td>"));
     assert!(
-        page.contains("<th scope=\"row\">x</th><td>none</td><td>"),
+        page.contains("<th scope=\"row\">x</th><td>none</td><td"),
         "the backlash, which is not among the true effects"
     );
 }

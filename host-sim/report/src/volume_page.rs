@@ -7,7 +7,9 @@ use maud::{Markup, html};
 use files::format::significant;
 use files::output::OutputError;
 use pages::file_name;
-use pages::markup::{Column, figure, legend, line_entry, list, number_cell, paragraph, section, table, text};
+use pages::markup::{
+    Column, figure, legend, line_entry, list, number_cell, paragraph, section, table, text, words_cell,
+};
 use pages::plot::{Chart, Ink, Layer};
 use volume::Analysis;
 use volume::axis_table::AxisTable;
@@ -44,8 +46,8 @@ fn errors(analysis: &Analysis) -> Markup {
         @for finding in &analysis.findings {
             tr {
                 td { (text(&finding.name)) }
-                td { (text(&finding.words)) }
-                td { (text(&known(finding))) }
+                (words_cell(&finding.words))
+                (words_cell(&known(finding)))
             }
         }
     };

@@ -9,7 +9,7 @@ use super::detection_curve::Curve;
 use super::detection_plot;
 use super::text_summary::{counted, percent};
 use files::output::OutputError;
-use pages::markup::{figure, legend, note, paragraph, point_entry, section};
+use pages::markup::{figure, legend, note, paragraph, point_entry, preformatted, section};
 
 const NOTE: &str = "Above: fraction of the effects of a size that were found by name and axis, with its 95 % interval. \
                     Below: each case by effect. The size of an effect is the rms of its contribution to its main \
@@ -141,7 +141,7 @@ pub fn write_page(
         (legend(&entries))
         (figure("", &detection_plot::picture(curve), ""))
     };
-    let tables = html! { pre { (tables(detections, curve)) } };
+    let tables = preformatted("Sizes and effects", &tables(detections, curve));
     let sections = html! {
         (section("Detection curve", &picture))
         (section("Sizes and effects", &tables))

@@ -66,7 +66,7 @@ pub fn known(finding: &Finding) -> String {
         Known::Small { at_most_um } => {
             format!("not told from zero: at most {} µm at the tool", significant(*at_most_um, 2))
         }
-        Known::Open { shown_by } => format!("not determined; shown by {shown_by}"),
+        Known::Open { shown_by } => format!("not determined; would be shown by {shown_by}"),
         Known::WithoutEffect => "does not move the tool".to_owned(),
     }
 }

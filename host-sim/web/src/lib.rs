@@ -80,6 +80,26 @@ mod tests {
         assert_eq!(unknown["columns"][1], json!({"name": "2", "unit": null, "first": [1.5, 2.5, 3.5]}));
     }
 
+    /// The page has a choice beside each column, and no flags.
+    #[test]
+    fn what_a_table_lacks_is_said_in_words_of_the_page() {
+        let table = "10 1.5\n11 2.5\n12 3.5\n13 4.5\n";
+        let said = |map: &str, text: &str| {
+            let file = format!(r#"{{"name":"b.txt","length":{},"map":[{map}]}}"#, text.len());
+            let seen = asked(&format!(r#"{{"task":"look","files":[{file}]}}"#), text.as_bytes());
+            assert_eq!(seen["ok"][0]["kind"], "unknown", "{seen}");
+            seen["ok"][0]["error"].as_str().unwrap().to_owned()
+        };
+        assert_eq!(said("", table), "No column has a known name. Choose below what each column is.");
+        let timeless = said(r#""x_command_mm=2""#, table);
+        assert!(timeless.contains("a column of times, or the samples per second"), "{timeless}");
+        let ballbar = said("", "Deviation;Run\n1;2\n2;3\n3;4\n");
+        let letter = said("", "Dear all,\nthe log is attached.\n");
+        for words in [timeless, ballbar, letter] {
+            assert!(!words.contains("--") && !words.contains("lost-motion"), "{words}");
+        }
+    }
+
     #[test]
     fn what_cannot_be_done_is_one_line() {
         let refused = |text: &str| asked(text, b"")["error"].as_str().unwrap().to_owned();

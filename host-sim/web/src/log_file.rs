@@ -54,13 +54,38 @@ pub fn look(file: &DroppedFile<'_>) -> Value {
             "columns": Head::of(input, &file.name).map_or_else(|_| Vec::new(), |head| head.names()),
             "notes": notes,
         }),
-        Err(error) => json!({
-            "name": file.name,
-            "kind": "unknown",
-            "error": error.to_string(),
-            "columns": columns(file),
-        }),
+        Err(error) => {
+            let columns = columns(file);
+            let has_columns = columns.as_array().is_some_and(|columns| !columns.is_empty());
+            let error = error.to_string();
+            let error = if has_columns { problem(&error) } else { without_advice(&error) };
+            json!({"name": file.name, "kind": "unknown", "error": error, "columns": columns})
+        }
     }
+}
+
+/// An error without what a command line would need.
+fn without_advice(error: &str) -> String {
+    error.replace(&format!(" ({})", any_log::ADVICE), "")
+}
+
+/// The problem of a file whose columns are chosen below it: the page has no flags.
+fn problem(error: &str) -> String {
+    /// What the import asks for by flags, and the words of the page.
+    const BY_FLAGS: [(&str, &str); 4] = [
+        (" (--map time_s=THEIRS), or --rate HZ", ", or the samples per second"),
+        (
+            "an angle (--map angle_deg=THEIRS) or a time (--map time_s=THEIRS, --rate HZ)",
+            "an angle or a time",
+        ),
+        ("is --unit right?", "is its unit right?"),
+        ("--map: ", ""),
+    ];
+    if error.contains("--map OURS=THEIRS for") {
+        return "No column has a known name. Choose below what each column is.".to_owned();
+    }
+    let words = BY_FLAGS.iter().fold(without_advice(error), |text, (flag, words)| text.replace(flag, words));
+    format!("{words}. Choose below what each column is.")
 }
 
 fn axis(axis: &AxisLog) -> Value {

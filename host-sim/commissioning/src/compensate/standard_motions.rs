@@ -129,7 +129,7 @@ impl Builder {
         self.motion("creeping", vec![to(mm), to(0.0)])
     }
 
-    /// A circle of the first two axes in both directions.
+    /// A circle of the first two axes in both directions. Its name differs from that of a user's own circle, which is listed beside it.
     fn circle(&self) -> Option<Motion> {
         let [(x, _), (y, _), ..] = &self.axes[..] else { return None };
         let (mm_per_s, most_mm) = CIRCLE;
@@ -142,7 +142,7 @@ impl Builder {
             pace: self.pace(mm_per_s, 1.0),
         };
         let pause = || Block::Dwell { seconds: 0.1 };
-        let mut motion = self.motion("circle", vec![arc(1.0), pause(), arc(-1.0), pause()]);
+        let mut motion = self.motion("standard circle", vec![arc(1.0), pause(), arc(-1.0), pause()]);
         motion.start_mm[0] += radius_mm;
         Some(motion)
     }
@@ -162,7 +162,7 @@ mod tests {
         let test = TestMotion::parse(circle, "circle", 0.0).unwrap();
         let motions = all(&machine, &[test], 5.0).unwrap();
         let names: Vec<&str> = motions.iter().map(|test| test.motion.name.as_str()).collect();
-        assert_eq!(names, ["reversals", "steps", "creeping", "circle"]);
+        assert_eq!(names, ["reversals", "steps", "creeping", "standard circle"]);
         for test in motions {
             let path = MachinePath::new(&test.motion, &machine, &test.source).unwrap();
             let path = NominalPath::of_blocks(&path.start_m, &path.blocks);

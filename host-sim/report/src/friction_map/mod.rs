@@ -15,7 +15,7 @@ use friction_map::selection::{Candidate, Round};
 
 use files::format::{fixed, percent};
 use pages::file_name;
-use pages::markup::{Column, list, note, number_cell, paragraph, section, table, text};
+use pages::markup::{Column, list, note, number_cell, paragraph, preformatted, section, table, text};
 use sentences::{error_table, sentences, unexplained};
 
 /// Writes the page into a folder, which is created if it does not exist, and returns its path.
@@ -40,7 +40,7 @@ pub fn html(map: &FrictionMap, explanation: &Explanation, residual: Option<&Resi
         file_name(&map.source),
         map.runs.len()
     ));
-    let errors = html! { pre { (text(&error_table(map, explanation).join("\n"))) } };
+    let errors = preformatted("Error before and after", &error_table(map, explanation).join("\n"));
     let sections = html! {
         (section("Terms found", &list(&sentences(map, explanation))))
         (section("Error before and after", &errors))

@@ -20,6 +20,9 @@ pub fn chromium() -> Option<&'static str> {
     ["chromium", "chromium-browser", "google-chrome"].into_iter().find(runs)
 }
 
+/// Lines of a row of a table: the parameters of an effect, with the spaces above and below them.
+const MOST_LINES: f64 = 7.5;
+
 /// What was seen of a page at each width.
 fn seen(browser: &str, page: &Path) -> Vec<Value> {
     let folder = page.parent().unwrap();
@@ -73,6 +76,7 @@ fn check(browser: &str, page: &Path, has: Has) -> Seen {
         let width = seen["width"].as_f64().unwrap();
         assert_eq!(seen["errors"], serde_json::json!([]), "{seen}");
         assert!(seen["scroll"].as_f64().unwrap() <= width, "{}: {seen}", page.display());
+        check_crowded(seen);
         for (key, is_there) in [("before", has.circle), ("chart", has.chart), ("choices", has.choices)] {
             assert_eq!(seen.get(key).is_some(), is_there, "{key}: {seen}");
         }
@@ -95,6 +99,12 @@ fn check(browser: &str, page: &Path, has: Has) -> Seen {
         }
     }
     seen
+}
+
+/// What is cut at the edge of a narrow page shows it, and no column is so narrow that the rows of a table are mostly blank.
+fn check_crowded(seen: &Value) {
+    assert_eq!(seen["cut"], seen["faded"], "{seen}");
+    assert!(seen["highest_row"].as_f64().unwrap() <= MOST_LINES, "{seen}");
 }
 
 /// At a magnification of 4, the line goes farther out.
@@ -204,6 +214,47 @@ fn pages_are_read_at_every_width_by_keyboard_and_as_files() {
     }
     let traced = check(browser, &page("trace"), all);
     printed::check(browser, &page("trace"), traced.widths[0]["sheet"].as_f64().unwrap());
+}
+
+/// A positioning test of three runs: runs are whole, and what its lines are is said.
+#[test]
+fn the_page_of_a_positioning_test_is_read_at_every_width() {
+    let Some(browser) = chromium() else {
+        eprintln!("no Chromium: the page was not looked at");
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let in_folder = |name: &str| path(&folder.path().join(name));
+    let reading = |run: u32, sign: &str, i: u32| {
+        // A known ripple in place of noise, a gap, a slope, a wave and a drift.
+        let ripple = f64::from((7919 * (i + 31 * run)) % 101) / 300.0;
+        let gap = if sign == "+" { -3.0 } else { 3.0 };
+        let um = ripple + gap + 0.6 * f64::from(i) + 2.0 * f64::from(i).sin() + 0.8 * f64::from(run);
+        format!("{run},{sign},{},{um:.3}\n", 30 * i)
+    };
+    let runs = (1..=3).flat_map(|run| {
+        let there = (0..11).map(move |i| reading(run, "+", i));
+        there.chain((0..11).rev().map(move |i| reading(run, "-", i)))
+    });
+    let table = "run,approach,target_mm,deviation_um\n".to_owned() + &runs.collect::<String>();
+    fs::write(folder.path().join("x.csv"), table).unwrap();
+    run(&["positions", "--fit", &in_folder("x.csv"), "--report", &in_folder("page")]);
+    let page = folder.path().join("page/report.html");
+    for seen in seen(browser, &page) {
+        assert_eq!(seen["errors"], serde_json::json!([]), "{seen}");
+        assert!(seen["scroll"].as_f64().unwrap() <= seen["width"].as_f64().unwrap(), "{seen}");
+        check_crowded(&seen);
+    }
+    let html = fs::read_to_string(page).unwrap();
+    let runs = html.split_once("From run to run").unwrap().1;
+    let labels = runs.split_once("class=\"ticks\"").unwrap().1.split_once("</g>").unwrap().0;
+    for label in ["1", "2", "3"] {
+        assert!(labels.contains(&format!(">{label}</text>")), "{labels}");
+    }
+    assert_eq!(labels.matches("</text>").count(), 3, "{labels}");
+    for way in ["approached in +\u{a0}direction", "in −\u{a0}direction"] {
+        assert!(runs.contains(way), "{way}");
+    }
 }
 
 /// The circle after a change is drawn once more, with a magnification and a slider of its own.
