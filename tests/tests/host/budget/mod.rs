@@ -82,8 +82,8 @@ fn what_is_left_with_a_compensation_is_what_compensate_predicts() {
     assert!(after_um.abs() < 0.25 * before_um, "{before_um} {after_um}");
 }
 
-/// Of a machine with masses and a spring, but without gains, a loop is assumed that is stable. It follows its command but for the friction: the
-/// contour error of a gap of w on a circle is ±w/2 times the cosine of the angle to its axis, w/√8 rms, less what friction hides of it.
+/// Of a machine with masses and a spring, but without gains, a loop is assumed that is stable. With the gap alone it follows its command: the contour
+/// error of a gap of w on a circle is ±w/2 times the cosine of the angle to its axis, w/√8 rms.
 #[test]
 fn a_machine_without_gains_has_the_budget_of_its_gap() {
     let has_gain =
@@ -93,7 +93,7 @@ fn a_machine_without_gains_has_the_budget_of_its_gap() {
     let motion = on_circle(&Machine::parse(&text, "m.toml").unwrap());
     let gap = motion.causes.iter().find(|cause| cause.name == "backlash").unwrap();
     let expected_um = 12.0 / 8f64.sqrt();
-    assert!((0.8..1.1).contains(&(gap.share.rms / expected_um)), "{:?}", gap.share);
+    assert!((gap.alone.rms / expected_um - 1.0).abs() < 0.02, "{:?}", gap.alone);
 }
 
 /// The curve of the circle belongs to its figures: the tool is at least as far from the path as the circle deviates. G is a range about the
