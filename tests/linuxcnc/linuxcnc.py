@@ -192,17 +192,26 @@ def run(case, number):
             "predicted_range_um": motion["predicted_range_um"]}
 
 
+STYLE = """body { font: 16px/1.5 sans-serif; margin: 2rem auto; max-width: 70rem; padding: 0 1rem; }
+table { border-collapse: collapse; } th, td { padding: 0.25rem 0.75rem; text-align: left; border-bottom: 1px solid #ccc; }
+td.number, th.number { text-align: right; } iframe { width: 100%; height: 60rem; border: 1px solid #ccc; }"""
+
+
 def page(results):
-    """A page with the figures of all cases; each links to the page of `verify` with its circles. The text for the terminal: its path."""
-    rows = ""
+    """A page with the figures of all cases, and the page of `verify` of each, with its circles. The text for the terminal: its path."""
+    rows, circles = "", ""
     for result in results:
         name, errors = html.escape(result["case"]), result["contour_error_um"]
-        cells = "".join(f"<td>{errors[key]:.2f}</td>" for key in ("before", "predicted", "after"))
+        least, most = result["predicted_range_um"]
+        figures = [f"{errors['before']:.2f}", f"{errors['predicted']:.2f}", f"{least:.2f} to {most:.2f}", f"{errors['after']:.2f}"]
+        cells = "".join(f'<td class="number">{figure}</td>' for figure in figures)
         link = html.escape(f"{folder_name(result['case'])}/report/report.html")
         rows += f'<tr><td><a href="{link}">{name}</a></td><td>{html.escape(", ".join(result["effects"]))}</td>{cells}</tr>\n'
-    text = ('<!doctype html><html lang="en"><head><meta charset="utf-8"><title>LinuxCNC</title></head><body>\n<h1>Circles by LinuxCNC</h1>\n'
-            "<p>Contour error, µm rms. A case links to its circles.</p>\n<table>\n<tr><th>drives</th><th>errors</th><th>before</th>"
-            f"<th>predicted</th><th>after</th></tr>\n{rows}</table></body></html>\n")
+        circles += f'<details><summary>{name}</summary><iframe loading="lazy" src="{link}" title="{name}"></iframe></details>\n'
+    heads = "".join(f'<th class="number">{head}</th>' for head in ("before", "predicted", "as a range", "after"))
+    text = (f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>LinuxCNC</title><style>{STYLE}</style></head><body>\n'
+            "<h1>Circles by LinuxCNC</h1>\n<p>Contour error, µm rms.</p>\n"
+            f"<table>\n<tr><th>drives</th><th>errors</th>{heads}</tr>\n{rows}</table>\n<h2>Before and after</h2>\n{circles}</body></html>\n")
     path = FOLDER / "index.html"
     path.write_text(text)
     return f"\nCircles: {path}"
