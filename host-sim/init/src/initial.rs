@@ -42,8 +42,6 @@ const USUAL_PERCENT: f64 = 100.0;
 pub struct Value {
     /// Where it comes from.
     pub origin: Origin,
-    /// Half width of its 95 % confidence interval, relative; `None`: it was not fitted.
-    pub half_width: Option<f64>,
     /// Its tolerance in the file, percent; `None`: exact.
     pub tolerance_percent: Option<f64>,
 }
@@ -181,7 +179,7 @@ fn with_tolerances(
             let tolerances = settings.mechanics.tolerance_percent.get_or_insert_default();
             (key.set_tolerance_percent)(tolerances, percent);
         }
-        values.insert((axis.axis.clone(), key.key), Value { origin, half_width, tolerance_percent });
+        values.insert((axis.axis.clone(), key.key), Value { origin, tolerance_percent });
     }
     settings
 }

@@ -33,15 +33,13 @@ pub fn file(initial: &Initial, logs: &[String]) -> String {
 }
 
 impl Value {
-    /// Where the value comes from, in words.
+    /// Where the value comes from, in words, with its tolerance: the interval of the fit alone lacks the errors of the model.
     fn source(&self) -> String {
-        match (self.origin, self.half_width) {
+        match (self.origin, self.tolerance_percent) {
             (Origin::Known, _) => "declared".to_owned(),
             (Origin::Usual, _) => "usual value: the logs hardly show it".to_owned(),
             (Origin::Logs | Origin::Regression, None) => "from the logs".to_owned(),
-            (Origin::Logs | Origin::Regression, Some(half_width)) => {
-                format!("± {:.2} % from the logs", 100.0 * half_width)
-            }
+            (Origin::Logs | Origin::Regression, Some(percent)) => format!("± {percent} % from the logs"),
         }
     }
 }

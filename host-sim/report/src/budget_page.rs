@@ -46,7 +46,8 @@ pub fn sections(budget: &Budget) -> Markup {
         @if !said.is_empty() { (section("Assumed and left out", &list(&said))) }
         (note(
             "The squares of the µm rms, with their signs, add up to that of the whole. Below zero: the cause makes others smaller. \
-             A share is half of the mean square that its cause makes alone and that goes away without it."
+             A share is half of the mean square that its cause makes alone and that goes away without it. Compensated: the share where the \
+             controller compensates everything that it can."
         ))
     }
 }

@@ -21,14 +21,18 @@ const MOTIONS: [(&str, &str); 2] = [
 /// known where they are; else a circle, corners and travels where they are.
 ///
 /// # Errors
-/// Never: the files are tested.
+/// A machine without a linear axis, for which there are none.
 pub fn default(machine: &Machine, start_s: f64) -> Result<Vec<TestMotion>, InputError> {
     let usual: Vec<TestMotion> = MOTIONS
         .into_iter()
         .map(|(source, text)| TestMotion::parse(text, source, start_s))
         .collect::<Result<_, _>>()?;
     let travels = Travel::of(machine);
-    Ok(if travels.is_empty() || suit(machine, &usual) { usual } else { whole_travel(&travels, start_s) })
+    if travels.is_empty() {
+        let expected = "a motion of this machine, as none is usual for rotary axes";
+        return Err(InputError::expected("--motion", expected, "none"));
+    }
+    Ok(if suit(machine, &usual) { usual } else { whole_travel(&travels, start_s) })
 }
 
 /// Whether a machine has the axes of motions, its maps are known there, and they stay within its soft limits.
@@ -62,7 +66,7 @@ mod tests {
         let one = "name = 'laser'\nsample_rate_hz = 1000.0\n[axis.x]\nlead_mm = 10.0\n";
         let map = |from_mm: f64| {
             format!(
-                "[[axis.x.effect]]\nname = 'pitch_map'\nposition_mm = [{from_mm}, {}]\nforward_um = [0.0, 5.0]\nbackward_um = [0.0, 5.0]\n",
+                "[[axis.x.effect]]\nname = 'pitch_map'\npositions_mm = [{from_mm:.1}, {:.1}]\nerror_um = [0.0, 5.0]\n",
                 from_mm + 400.0
             )
         };
