@@ -98,7 +98,7 @@ pub fn keep_shown(
         ));
     } else {
         for key in wide {
-            // A loop on both sensors has this constant: without it, that of the motor.
+            // Dual feedback needs its time constant: without it, the feedback is taken to be that of the motor.
             if key == "dual_feedback_time_constant_s" {
                 if declared.sensors.feedback == Feedback::Dual {
                     continue;

@@ -24,7 +24,7 @@ pub const MOTOR_KG: f64 = 1000.0;
 /// Time constant of a drive of which none is known, s: a bandwidth of 32 Hz.
 const USUAL_TIME_CONSTANT_S: f64 = 5e-3;
 
-/// Time constant of the velocity loop of a motor behind which is a spring, by the mass of the motor alone, s: three ticks of 4 kHz.
+/// Time constant of the velocity loop of an elastic axis, motor mass / velocity gain, s: three ticks of 4 kHz.
 const OF_ELASTIC_S: f64 = 7.5e-4;
 
 /// The controller that is simulated has a proportional gain and feed-forward.
@@ -81,13 +81,15 @@ impl Loop {
         }
         let Some(position_gain_per_s) = controller.position_gain_per_s else {
             let what = "its position gain is not known; it is simulated as an axis that follows its command";
-            // With a spring behind the motor, a loop is stable that the motor alone would be given.
-            let mechanics = &axis.settings.mechanics;
-            let masses_kg = [mechanics.motor_mass_kg, mechanics.table_mass_kg].map(|kg| kg.unwrap_or(0.0));
-            let time_constant_s = if axis.settings.has_mass() && !axis.settings.is_rigid() {
-                OF_ELASTIC_S * (masses_kg[0] + masses_kg[1]) / masses_kg[0]
-            } else {
-                FOLLOWING.time_constant_s
+            // Above its resonance, a spring separates the table from the motor: the mass of the motor alone limits the velocity gain.
+            let time_constant_s = match axis.settings.mechanics {
+                Mechanics {
+                    motor_mass_kg: Some(motor_kg),
+                    table_mass_kg: Some(table_kg),
+                    stiffness_n_per_um: Some(_),
+                    ..
+                } => OF_ELASTIC_S * (motor_kg + table_kg) / motor_kg,
+                _ => FOLLOWING.time_constant_s,
             };
             return Self { assumed: Some(what), time_constant_s, ..FOLLOWING };
         };

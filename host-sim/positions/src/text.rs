@@ -70,7 +70,9 @@ pub fn figures(analysis: &Analysis) -> Vec<String> {
     lines
 }
 
-fn figure_um(value: Option<f64>) -> String {
+/// A figure in µm with two decimals; a dash if there is none.
+#[must_use]
+pub fn figure_um(value: Option<f64>) -> String {
     value.map_or_else(|| "–".to_owned(), |value| fixed(value, 2))
 }
 

@@ -15,7 +15,7 @@ use pages::plot::{Chart, Ink, Layer};
 use positions::Analysis;
 use positions::effect::Effect;
 use positions::measured::Way;
-use positions::text::{cells, figure_remarks, figure_rows, floor, residual_rows, sentence};
+use positions::text::{cells, figure_remarks, figure_rows, figure_um, floor, residual_rows, sentence};
 
 /// Writes the page into a folder, which is created if it does not exist, and returns its path.
 ///
@@ -179,7 +179,7 @@ fn residuals(analysis: &Analysis) -> Markup {
     if has_validation {
         columns.push(Column::Numbers("validation runs"));
     }
-    let cell = |um: Option<f64>| number_cell(&um.map_or_else(|| "–".to_owned(), |um| fixed(um, 2)));
+    let cell = |um: Option<f64>| number_cell(&figure_um(um));
     let body = html! {
         @for (name, um) in &rows {
             tr {

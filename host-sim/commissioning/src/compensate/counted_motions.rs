@@ -1,9 +1,7 @@
 //! The motions whose contour error counts if the user gives none: a circle and corners, where the machine has them.
 
-use contour::NominalPath;
 use files::error::InputError;
 use model::machine::Machine;
-use plant::machine_path::MachinePath;
 
 use crate::compensate::mapped;
 use crate::compensate::motions_within::{Travel, whole_travel};
@@ -17,8 +15,8 @@ const MOTIONS: [(&str, &str); 2] = [
     ("motions/corner.toml", include_str!("../../../motions/corner.toml")),
 ];
 
-/// The motions, which start at `start_s` on the session clock: circle and corner of the repository, if the machine has their axes and its maps are
-/// known where they are; else a circle, corners and travels where they are.
+/// The motions, which start at `start_s` on the session clock: circle and corner of the repository, if the machine has their axes, they stay
+/// within its soft limits, and its maps cover them; else a circle, corners and travels within the limits or maps.
 ///
 /// # Errors
 /// A machine without a linear axis, for which there are none.
@@ -43,8 +41,7 @@ fn suit(machine: &Machine, tests: &[TestMotion]) -> bool {
 }
 
 fn is_within_limits(machine: &Machine, test: &TestMotion) -> bool {
-    let Ok(path) = MachinePath::new(&test.motion, machine, &test.source) else { return false };
-    let path = NominalPath::of_blocks(&path.start_m, &path.blocks);
+    let Ok(path) = test.nominal_path(machine) else { return false };
     machine.axis.values().enumerate().all(|(index, axis)| {
         let [least_mm, most_mm] = path.extent_m(index).map(|m| 1e3 * m);
         axis.settings.limits.travel_mm.is_none_or(|[from, to]| least_mm >= from && most_mm <= to)

@@ -13,7 +13,6 @@ use contour::NominalPath;
 use files::error::InputError;
 use model::effects::Effect;
 use model::machine::{Axis, Machine};
-use plant::machine_path::MachinePath;
 
 /// Part of the travel of the motions that the tables cover beyond it, on both sides.
 const BEYOND_TRAVEL: f64 = 0.02;
@@ -38,8 +37,7 @@ pub fn travel_m(machine: &Machine, tests: &[TestMotion], axis: usize) -> Result<
     }
     let mut travel_m = [f64::INFINITY, f64::NEG_INFINITY];
     for test in tests {
-        let path = MachinePath::new(&test.motion, machine, &test.source)?;
-        let [from, to] = NominalPath::of_blocks(&path.start_m, &path.blocks).extent_m(axis);
+        let [from, to] = test.nominal_path(machine)?.extent_m(axis);
         travel_m = [travel_m[0].min(from), travel_m[1].max(to)];
     }
     // An axis that does not move still has tables, of 2 mm.
@@ -71,9 +69,7 @@ pub fn is_far_beyond(machine: &Machine, tests: &[TestMotion], axis: usize) -> Re
     let Some(maps_m) = maps_m(&machine.axis[axis]) else { return Ok(false) };
     let mut is_far = false;
     for test in tests {
-        let path = MachinePath::new(&test.motion, machine, &test.source)?;
-        let reached_m = NominalPath::of_blocks(&path.start_m, &path.blocks).extent_m(axis);
-        is_far |= leaves(reached_m, maps_m, FAR);
+        is_far |= leaves(test.nominal_path(machine)?.extent_m(axis), maps_m, FAR);
     }
     Ok(is_far)
 }

@@ -47,26 +47,29 @@ impl Travel {
 /// The motions of a compensation that is to cover the whole travel: a circle and corners, if there are two axes, and the travel of each.
 #[must_use]
 pub fn whole_travel(axes: &[Travel], start_s: f64) -> Vec<TestMotion> {
-    let axes = &axes[..axes.len().min(motion::MAX_AXES)];
-    let plane = (axes.len() > 1).then(|| Plane::of(axes));
-    let in_plane = plane.iter().flat_map(|plane| [plane.circle(), plane.corners()]);
     let whole_mm = |axis: &Travel| 0.5 * (axis.ends_mm[1] - axis.ends_mm[0]);
-    let motions = in_plane.chain((!axes.is_empty()).then(|| travel(axes, whole_mm)));
-    motions.map(|motion| TestMotion::of_program(motion, start_s)).collect()
+    all(axes, |plane| vec![plane.circle(), plane.corners()], whole_mm, start_s)
 }
 
 /// The motions of an error budget, for the first three axes: with one of them its travel alone.
 #[must_use]
 pub fn standard(axes: &[Travel]) -> Vec<TestMotion> {
+    let half_mm = |axis: &Travel| half(axis).min(HALF_TRAVEL_MM);
+    all(axes, |plane| vec![plane.circle(), plane.corners(), plane.part()], half_mm, 0.0)
+}
+
+/// Motions in the plane of the first two axes, if there are two, and a travel of each of the first three.
+fn all(
+    axes: &[Travel],
+    in_plane: impl Fn(&Plane) -> Vec<Motion>,
+    half_mm: impl Fn(&Travel) -> f64,
+    start_s: f64,
+) -> Vec<TestMotion> {
     let axes = &axes[..axes.len().min(motion::MAX_AXES)];
-    if axes.is_empty() {
-        return Vec::new();
-    }
     let plane = (axes.len() > 1).then(|| Plane::of(axes));
-    let in_plane = plane.iter().flat_map(|plane| [plane.circle(), plane.corners(), plane.part()]);
-    let motions: Vec<Motion> =
-        in_plane.chain([travel(axes, |axis| half(axis).min(HALF_TRAVEL_MM))]).collect();
-    motions.into_iter().map(|motion| TestMotion::of_program(motion, 0.0)).collect()
+    let travel = (!axes.is_empty()).then(|| travel(axes, half_mm));
+    let motions = plane.iter().flat_map(in_plane).chain(travel);
+    motions.map(|motion| TestMotion::of_program(motion, start_s)).collect()
 }
 
 const fn pace() -> Pace {
@@ -169,8 +172,6 @@ impl Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use contour::NominalPath;
-    use plant::machine_path::MachinePath;
 
     #[test]
     fn the_motions_stay_within_the_travel_and_move_the_axes() {
@@ -181,8 +182,7 @@ mod tests {
         let names: Vec<&str> = motions.iter().map(|test| test.motion.name.as_str()).collect();
         assert_eq!(names, ["circle", "corners", "part", "travel"]);
         for test in motions {
-            let path = MachinePath::new(&test.motion, &machine, &test.source).unwrap();
-            let path = NominalPath::of_blocks(&path.start_m, &path.blocks);
+            let path = test.nominal_path(&machine).unwrap();
             for (index, axis) in axes.iter().enumerate() {
                 let [least, greatest] = path.extent_m(index).map(|m| 1e3 * m);
                 let [from, to] = axis.ends_mm;
@@ -192,8 +192,7 @@ mod tests {
         assert_eq!(standard(&axes[..1]).len(), 1);
         let whole = whole_travel(&axes[..1], 0.0);
         assert_eq!(whole.len(), 1);
-        let path = MachinePath::new(&whole[0].motion, &machine, "whole").unwrap();
-        let [least, greatest] = NominalPath::of_blocks(&path.start_m, &path.blocks).extent_m(0);
+        let [least, greatest] = whole[0].nominal_path(&machine).unwrap().extent_m(0);
         assert!((least - 0.01).abs() < 1e-9 && (greatest - 0.09).abs() < 1e-9, "{least} {greatest}");
     }
 }

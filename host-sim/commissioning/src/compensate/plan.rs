@@ -21,7 +21,6 @@ use contour::verification::Prediction;
 use model::axis::{Controller, Drive, Law, Settings};
 use model::effects::Effect;
 use plant::equivalent::{self, Assumed};
-use plant::machine_path::MachinePath;
 use plant::parameters::AxisParameters;
 
 /// A part of a compensation is left out if the contour error is lower without it by more than this fraction.
@@ -61,7 +60,7 @@ impl Planning<'_> {
         let unknown = self.unknown()?;
         let (mut best_um, mut choice) = self.start(&unknown)?;
         let assumed = equivalent::of(self.model).1;
-        // A loop that is assumed cannot say that an error which was measured is not worth a compensation.
+        // Where a loop is only assumed, its simulation does not decide whether a measured error is compensated.
         let may_go = |part: &Part| assumed.is_empty() || !matches!(part, Part::Effect(..));
         loop {
             let without = self.without_each(&choice)?.into_iter().filter(|(part, _)| may_go(part));
@@ -96,8 +95,7 @@ impl Planning<'_> {
     /// The motions that leave the mapped travel of a file, by their names.
     fn leaving(&self, file: &CompensationFile) -> Result<Vec<(String, Vec<Beyond>)>, PredictionError> {
         let of_motion = |test: &TestMotion| {
-            let path = MachinePath::new(&test.motion, self.model, &test.source)?;
-            let path = contour::NominalPath::of_blocks(&path.start_m, &path.blocks);
+            let path = test.nominal_path(self.model)?;
             Ok((test.motion.name.clone(), mapped::beyond_on_path(file, self.model, &path)))
         };
         let all: Vec<_> = self.tests.iter().map(of_motion).collect::<Result<_, PredictionError>>()?;

@@ -8,7 +8,7 @@ use crate::compensate::alignment::aligned;
 use crate::compensate::controller_host::ControllerHost;
 use crate::compensate::file::{CompensationFile, Refused};
 use contour::verification::{Commanded, Prediction};
-use contour::{ContourError, LoggedMotion};
+use contour::{ContourError, LoggedMotion, NominalPath};
 use files::error::InputError;
 use files::log::Log;
 use model::machine::Machine;
@@ -56,6 +56,15 @@ impl TestMotion {
     #[must_use]
     pub fn of_program(motion: Motion, start_s: f64) -> Self {
         Self { source: motion.name.clone(), motion, start_s, settle_s: 0.0 }
+    }
+
+    /// The path of the motion on a machine, without what settles before it.
+    ///
+    /// # Errors
+    /// If the motion does not fit the machine.
+    pub fn nominal_path(&self, machine: &Machine) -> Result<NominalPath, InputError> {
+        let path = MachinePath::new(&self.motion, machine, &self.source)?;
+        Ok(NominalPath::of_blocks(&path.start_m, &path.blocks))
     }
 }
 

@@ -151,8 +151,6 @@ impl Builder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use contour::NominalPath;
-    use plant::machine_path::MachinePath;
 
     /// On a circle of 30 mm: all of them within ±30 mm and the 2 % of 60 mm that the tables cover beyond it.
     #[test]
@@ -164,8 +162,7 @@ mod tests {
         let names: Vec<&str> = motions.iter().map(|test| test.motion.name.as_str()).collect();
         assert_eq!(names, ["reversals", "steps", "creeping", "standard circle"]);
         for test in motions {
-            let path = MachinePath::new(&test.motion, &machine, &test.source).unwrap();
-            let path = NominalPath::of_blocks(&path.start_m, &path.blocks);
+            let path = test.nominal_path(&machine).unwrap();
             for axis in [0, 1] {
                 let [least, greatest] = path.extent_m(axis);
                 assert!(least >= -0.0312 && greatest <= 0.0312 && greatest - least > 5e-5, "{}", test.source);

@@ -21,6 +21,12 @@ fn circle(machine: &Machine) -> TestMotion {
     motions.swap_remove(0)
 }
 
+/// A machine file with a gap of 12 µm in x.
+fn with_backlash(declared: &str) -> Machine {
+    let effect = "[[axis.x.effect]]\nname = 'backlash'\nwidth_um = 12.0\n";
+    Machine::parse(&format!("{declared}\n{effect}"), "m.toml").unwrap()
+}
+
 /// The budget of a model on the standard circle.
 fn on_circle(machine: &Machine) -> MotionBudget {
     let mut budget = Budget::of(machine, &[circle(machine)], 1).unwrap();
@@ -54,9 +60,7 @@ fn the_shares_are_the_whole() {
 /// keeps a part that costs less than 0.2 %, of at most ten), and at least two thirds.
 #[test]
 fn what_is_left_with_a_compensation_is_what_compensate_predicts() {
-    let text =
-        format!("{}\n[[axis.x.effect]]\nname = 'backlash'\nwidth_um = 12.0\n", model::examples::DEMO_MACHINE);
-    let machine = Machine::parse(&text, "m.toml").unwrap();
+    let machine = with_backlash(model::examples::DEMO_MACHINE);
     let motion = on_circle(&machine);
     let left_um = motion.compensated.unwrap().rms;
     let squares = motion.causes.iter().map(|cause| cause.compensated.unwrap().rms).map(|um| um * um.abs());
@@ -89,8 +93,7 @@ fn a_machine_without_gains_has_the_budget_of_its_gap() {
     let has_gain =
         |line: &&str| line.contains("gain") || line.starts_with("feedforward") || line.contains("integral");
     let declared: Vec<&str> = model::examples::DEMO_MACHINE.lines().filter(|line| !has_gain(line)).collect();
-    let text = format!("{}\n[[axis.x.effect]]\nname = 'backlash'\nwidth_um = 12.0\n", declared.join("\n"));
-    let motion = on_circle(&Machine::parse(&text, "m.toml").unwrap());
+    let motion = on_circle(&with_backlash(&declared.join("\n")));
     let gap = motion.causes.iter().find(|cause| cause.name == "backlash").unwrap();
     let expected_um = 12.0 / 8f64.sqrt();
     assert!((gap.alone.rms / expected_um - 1.0).abs() < 0.02, "{:?}", gap.alone);
@@ -101,9 +104,7 @@ fn a_machine_without_gains_has_the_budget_of_its_gap() {
 /// that m ≥ 0.22·G.
 #[test]
 fn the_curve_of_a_circle_belongs_to_its_figures() {
-    let text =
-        format!("{}\n[[axis.x.effect]]\nname = 'backlash'\nwidth_um = 12.0\n", model::examples::DEMO_MACHINE);
-    let machine = Machine::parse(&text, "m.toml").unwrap();
+    let machine = with_backlash(model::examples::DEMO_MACHINE);
     let motion = on_circle(&machine);
     let causes = motion.causes.iter().map(|cause| (&cause.circle_without, cause.without));
     let all = std::iter::once((&motion.circle, motion.whole)).chain(causes);
