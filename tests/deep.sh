@@ -6,7 +6,7 @@
 #   tests/deep.sh miri [MODULE…]       tests/miri.sh
 #   tests/deep.sh properties [SEEDS]   the property tests with this many new seeds (100): the usual run has a fixed one
 #   tests/deep.sh bits                 a million ticks of random motions, host against emulated core, fixed point and f32
-#   tests/deep.sh fuzz [SECONDS]       fuzzing of link, lock-step protocol and readers of foreign logs (600), with cargo-fuzz
+#   tests/deep.sh fuzz [SECONDS]       fuzzing of link, lock-step protocol and readers of files (600), with cargo-fuzz
 #   tests/deep.sh host                 tests of `host` that tests/run.sh has no time for: every case in a browser, init on every case
 #   tests/deep.sh fleet                tools/fleet.py on a local cluster, with and without killed workers: docs/fleet.md
 #
@@ -160,18 +160,18 @@ sweep() {
     cargo test --release --package tests --test host incomplete_logs:: -- --ignored --nocapture
 }
 
-# Fuzzing, a quarter of the time for each target. The corpus is kept in fuzz/corpus for the next run.
+# Fuzzing, a fifth of the time for each target. The corpus is kept in fuzz/corpus for the next run.
 fuzz() {
   command -v cargo-fuzz >/dev/null || cargo install cargo-fuzz --locked
   rustup toolchain list | grep -q '^nightly' || rustup toolchain install nightly --profile minimal
   local target limit_mb
-  for target in link lockstep import_text import_binary; do
+  for target in link lockstep import_text import_binary own_files; do
     step "fuzz $target"
     mkdir -p "fuzz/corpus/$target"
     # A page of a Parquet file may claim 2 GiB, which are reserved before it is found to be shorter.
     limit_mb=1024
     if [ "$target" = import_binary ]; then limit_mb=4096; fi
-    cargo +nightly fuzz run --fuzz-dir fuzz "$target" "fuzz/corpus/$target" "fuzz/seeds/$target" -- -max_total_time=$(($1 / 4)) -max_len=4096 \
+    cargo +nightly fuzz run --fuzz-dir fuzz "$target" "fuzz/corpus/$target" "fuzz/seeds/$target" -- -max_total_time=$(($1 / 5)) -max_len=4096 \
       -print_final_stats=1 -rss_limit_mb="$limit_mb"
   done
 }

@@ -18,6 +18,9 @@ grep -qE "^## $version \([0-9]{4}-[0-9]{2}-[0-9]{2}\)$" CHANGELOG.md || fail "CH
 sed -n '/^## Unreleased/,/^## [0-9]/p' CHANGELOG.md | grep -q '^- ' && fail "CHANGELOG.md has entries under Unreleased"
 
 cargo deny check
+# Dependencies that no code uses.
+cargo machete --version >/dev/null 2>&1 || cargo install cargo-machete --locked --quiet
+cargo machete
 bash tests/run.sh all
 bash tests/deep.sh
 

@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
 # The tests of a change, and of everything:
 #
-#   tests/run.sh        format, whether the programs of the chip compile, and the tests of the host that take minutes
-#   tests/run.sh all    also lints, documentation, the programs and tests of the chip, and the long tests: what a submission has to pass
+#   tests/run.sh              format, whether the programs of the chip compile, and the tests of the host that take minutes
+#   tests/run.sh all          also lints, documentation, the programs and tests of the chip, and the long tests: what a submission has
+#                             to pass
+#   tests/run.sh all PART     one part of that, for several machines: lint, chip, crates or host
 #
 # docs/testing.md lists what each part would catch and how long it takes. Installs what is missing: the target of the chip, and
 # the emulator by the system's package manager.
@@ -24,13 +26,6 @@ long=(
 
 # Tests of `host` that are left to `tests/deep.sh host`: with them, `all` would not end within the time of CI on two cores.
 deep=(app_in_browser::traced::all_cases init::cases::all_other_cases init::measured::emps)
-
-# The tests of the host without some, by parts of their names.
-tests_of_host_without() {
-  local test skipped=()
-  for test in "$@"; do skipped+=(--skip "$test"); done
-  tests_of_host "${skipped[@]}"
-}
 
 step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
 
@@ -60,6 +55,19 @@ install_browser() {
       echo "chromium is missing: the pages are not looked at"
     fi
   }
+}
+
+# The libraries with which Python reads what the program writes, in an environment of their own. Without them these tests are skipped.
+install_python() {
+  local folder=$PWD/target/python
+  [ -x "$folder/bin/pip" ] || python3 -m venv "$folder" || {
+    echo "python3 cannot make an environment: its libraries read nothing that is written"
+    return 0
+  }
+  "$folder/bin/python3" -c 'import numpy, scipy, pyarrow, mcap, pytcs' 2>/dev/null ||
+    "$folder/bin/pip" install --quiet numpy==2.4.6 scipy==1.17.1 pyarrow==26.0.1 mcap==1.6.0 pytcs==0.2.2 ||
+    echo "the libraries of Python cannot be installed: they read nothing that is written"
+  export PATH=$folder/bin:$PATH
 }
 
 install_emulator() {
@@ -102,56 +110,89 @@ check_programs_of_chip() {
   done
 }
 
-# Targets are chosen and not packages, with which cargo would compile dependencies again with other features.
-tests_of_host() {
-  cargo test --release --lib --bins
-  cargo test --release --test integration --test memory
-  cargo test --release --test host -- "$@"
+# Runs all tests of some targets also after a failure, so that one run shows everything that fails. Targets are chosen and not packages, with
+# which cargo would compile dependencies again with other features.
+failed=0
+run_tests() { cargo test --release --no-fail-fast "$@" || failed=1; }
+
+tests_of_crates() {
+  run_tests --lib --bins
+  run_tests --test integration --test memory
 }
 
-# The tests that talk to an emulated board, which ticks in real time, run before the traces, which use all cores.
-all_tests() {
-  cargo test --release --test chip
-  tests_of_host_without "${deep[@]}"
-  cargo test --release --test second_simulator --test textbook --test measured --test rigid_bodies
-  cargo test --release --doc
-  cargo test --release --examples
+# The tests of the host without some, by parts of their names.
+tests_of_host_without() {
+  local test skipped=()
+  for test in "$@"; do skipped+=(--skip "$test"); done
+  run_tests --test host -- "${skipped[@]}"
 }
 
-case ${1:-} in
-"" | all) ;;
-*)
-  echo "$1: expected nothing, or all" >&2
-  exit 2
-  ;;
-esac
-
-step "tools"
-install_tools
-if [ "${1:-}" = all ]; then install_browser; fi
-step "format"
-cargo fmt --all --check
-if [ "${1:-}" = all ]; then
+lint() {
+  step "format"
+  cargo fmt --all --check
   step "lints"
   lints
   step "documentation"
   documentation
-fi
-step "programs of the chip"
-if [ "${1:-}" = all ]; then
+}
+
+# These talk to an emulated board, which ticks in real time: nothing else runs beside them.
+chip() {
+  step "programs of the chip"
   cargo board
   cargo emulated
   cargo servo
-else
-  check_programs_of_chip
+  step "tests of the chip"
+  run_tests --test chip
+}
+
+crates() {
+  step "tests of the crates"
+  tests_of_crates
+  run_tests --test second_simulator --test textbook --test measured --test rigid_bodies --test mutated_files
+  run_tests --doc
+  run_tests --examples
+}
+
+host() {
+  step "tests of the program"
+  tests_of_host_without "${deep[@]}"
+}
+
+parts=(lint chip crates host)
+usage() {
+  echo "$1: expected nothing, or all, or all and one of: ${parts[*]}" >&2
+  exit 2
+}
+case ${1:-} in
+"" | all) ;;
+*) usage "$1" ;;
+esac
+if [ -n "${2:-}" ]; then
+  [[ " ${parts[*]} " == *" $2 "* ]] || usage "$2"
+  parts=("$2")
 fi
-step "tests"
+
+step "tools"
+install_tools
 if [ -z "${LOST_MOTION_DATA:-}" ]; then
   echo "LOST_MOTION_DATA is not set: tests on measured data will be skipped"
 fi
 if [ "${1:-}" = all ]; then
-  all_tests
+  install_browser
+  install_python
+  for part in "${parts[@]}"; do "$part"; done
 else
+  step "format"
+  cargo fmt --all --check
+  step "programs of the chip"
+  check_programs_of_chip
+  step "tests"
+  tests_of_crates
   tests_of_host_without "${long[@]}" "${deep[@]}"
+fi
+if [ "$failed" != 0 ]; then
+  step "failed: see above"
+  exit 1
 fi
 step "done"

@@ -4,7 +4,7 @@
 //! accepted by [`MachineConfig::new`] and [`AnyOutput::new`], which is verified by a test on the host.
 
 use shared::capture::ChannelSteps;
-use shared::config::{AxisSettings, Law, Rates, Sensors};
+use shared::config::{AxisEnvelope, AxisSettings, Law, Rates, Sensors};
 use shared::drive::{
     AnyOutput, DriveError, DriveSettings, DriveSystem, EnableSwitch, StatusLight, SupplyLimits,
 };
@@ -13,6 +13,7 @@ use shared::homing::{AtLimit, Direction, HomingSettings, Mark};
 use shared::interpolate::Smoothing;
 use shared::link::message::BoardSettings;
 use shared::link::report::{Identity, Times};
+use shared::link::{AdmittedSettings, Envelope};
 use shared::machine::{Machine, MachineConfig, MachineError};
 use shared::scalar::Fixed;
 use shared::units::{PER_NM, Position};
@@ -107,6 +108,7 @@ pub const IDENTITY: Identity = Identity {
     steps: ChannelSteps { command: PER_NM / 16, motor: COUNTS, table: COUNTS, force_bits: 5 },
     times: Times { hold_ms: 500, off_ms: 10_000, jog_ms: 300 },
     homing: [Some(HOMING); AXES],
+    envelope: &ENVELOPE,
 };
 
 /// Vendor and product of the USB port: the pair that V-USB gives to CDC-ACM devices, which the names tell apart. A product that is
@@ -116,12 +118,27 @@ pub const USB_IDS: (u16, u16) = (0x16c0, 0x27dd);
 /// Name of the manufacturer.
 pub const USB_MANUFACTURER: &str = "Lost Motion";
 
-/// The settings that the link reports until others are uploaded.
-pub const LINK_SETTINGS: BoardSettings = BoardSettings { rates: RATES, axes: SETTINGS };
+/// The settings until others are uploaded. They do not compile unless they are within [`ENVELOPE`].
+pub const LINK_SETTINGS: AdmittedSettings =
+    ENVELOPE.admit_program(BoardSettings { rates: RATES, axes: SETTINGS });
 
-/// Limits of the supply, for drives at 48 V.
-pub const SUPPLY_LIMITS: SupplyLimits =
-    SupplyLimits { min_bus_mv: 36_000, max_bus_mv: 60_000, max_temperature_mc: 80_000 };
+/// What no upload and no record in flash may exceed. It is what the machine withstands, not what is convenient: a drive of 400 N, a
+/// travel of 0.4 m between the limit switches, with the reference at the negative one, supplies of 48 V.
+pub static ENVELOPE: Envelope = Envelope {
+    axes: [AxisEnvelope {
+        travel_m: Some([-0.01, 0.4]),
+        // 30 m/min.
+        fastest_m_per_s: 0.5,
+        force_limit_n: 300.0,
+        saturation_time_s: 1.0,
+        following_error_limit_m: 5e-3,
+        frozen_encoder_limit_m: 0.5e-3,
+        scale_disagreement_limit_m: Some(1e-3),
+        stop_deceleration_m_per_s2: 0.5,
+        excitation_limit_n: 120.0,
+    }; AXES],
+    supply: SupplyLimits { min_bus_mv: 36_000, max_bus_mv: 60_000, max_temperature_mc: 80_000 },
+};
 
 /// Bus voltage in mV per count of 12 bits: 3.3 V behind a divider of 100 kΩ and 4.7 kΩ.
 pub const BUS_MV_PER_COUNT: f64 = 3300.0 / 4096.0 * (100.0 + 4.7) / 4.7;
@@ -149,13 +166,16 @@ pub const SETTINGS: [AxisSettings; AXES] = [AxisSettings {
     low_pass: None,
     force_limit_n: 200.0,
     // At a reversal on a circle, friction of 20 N holds an axis for slightly more than 0.1 mm of the command.
-    sensors: Sensors::Motor { scale_disagreement_limit_m: None, frozen_encoder_limit_m: Some(0.3e-3) },
+    sensors: Sensors::Motor {
+        scale_disagreement_limit_m: Some(0.5e-3),
+        frozen_encoder_limit_m: Some(0.3e-3),
+    },
     scale_fade_time_s: 0.1,
     following_error_limit_m: 1e-3,
     // 9 m/min.
     fastest_m_per_s: Some(0.15),
     saturation_time_s: 0.2,
-    travel_m: None,
+    travel_m: Some([0.0, 0.35]),
     stop_deceleration_m_per_s2: 2.0,
     smoothing: Smoothing::None,
 }; AXES];
@@ -199,11 +219,11 @@ pub fn drive_system(
     machine: &mut Machine<Fixed, AXES>,
     full_counts: u16,
 ) -> Result<BoardDrives<'_>, SetupError> {
-    machine.configure(MachineConfig::new(RATES, &SETTINGS)?, &[Position(0); AXES]);
+    machine.configure(MachineConfig::new(LINK_SETTINGS.rates, &LINK_SETTINGS.axes)?, &[Position(0); AXES]);
     (0..AXES).for_each(|axis| machine.lose_reference(axis));
     // Read at run time, so that what is built and tested has every alternative of the table.
     let [x, y] = core::hint::black_box(&TABLE);
     let outputs = [AnyOutput::new(&x.drive, full_counts, 1)?, AnyOutput::new(&y.drive, full_counts, 1)?];
     let (switch, light) = (EnableSwitch::new(SWITCH_SETTLING_TICKS), StatusLight::new(BLINK_TICKS));
-    Ok(DriveSystem::new(machine, outputs, switch, light).with_supply_limits(SUPPLY_LIMITS))
+    Ok(DriveSystem::new(machine, outputs, switch, light).with_supply_limits(ENVELOPE.supply))
 }

@@ -194,7 +194,7 @@ impl Board<'_> {
 
 // An input is a sequence of actions: a tag, a length, bytes.
 fuzz_target!(|data: &[u8]| {
-    let settings = settings();
+    let settings = IDENTITY.envelope.admit(settings()).expect("they are within it");
     let mut machine = Box::new(
         Machine::<Fixed, 2>::new(settings.rates, &settings.axes, [Position(0); 2])
             .expect("they are accepted"),

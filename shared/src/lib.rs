@@ -8,6 +8,7 @@ pub mod compensate;
 pub mod config;
 pub mod control;
 pub mod drive;
+pub mod excitation;
 pub mod feedback;
 pub mod homing;
 mod integer;

@@ -1,5 +1,6 @@
 //! Step responses of the loops against their transfer functions, and changes of gains and law during motion.
 
+use crate::slide::Slide;
 use proptest::prelude::*;
 use shared::axis::{AxisState, Reading};
 use shared::compensate::Correction;
@@ -129,8 +130,8 @@ struct TestPlant<S: Scalar> {
 }
 
 const RATES: Rates = Rates { velocity_loop_hz: 4000.0, position_loop_divider: 1 };
-const MASS_KG: f64 = 60.0;
 const FRICTION_N_S_PER_M: f64 = 2000.0;
+const TABLE: Slide = Slide { mass_kg: 60.0, viscous_n_s_per_m: FRICTION_N_S_PER_M, coulomb_n: 0.0 };
 
 impl<S: Scalar> TestPlant<S> {
     fn new(settings: &AxisSettings) -> Self {
@@ -147,9 +148,7 @@ impl<S: Scalar> TestPlant<S> {
         let _ = self.state.position_tick(&self.config, position(self.command_m), Correction::NONE, reading);
         let (force, _) = self.state.velocity_tick(&self.config, reading, S::default());
         self.force = force.value();
-        let a = (self.force - FRICTION_N_S_PER_M * self.velocity) / MASS_KG;
-        self.velocity += a / RATES.velocity_loop_hz;
-        self.at_m += self.velocity / RATES.velocity_loop_hz;
+        TABLE.step(&mut self.at_m, &mut self.velocity, self.force, 1.0 / RATES.velocity_loop_hz);
         [self.state.velocity_command_m_per_s() - before[0], self.force - before[1]]
     }
 

@@ -1,5 +1,6 @@
 //! The direction check on a simulated plant of two axes, with both signs of force, encoder and scale.
 
+use crate::slide::Slide;
 use shared::config::{AxisSettings, Rates};
 use shared::drive::analog::AnalogSettings;
 use shared::drive::direction_check::{DirectionCheckError, DirectionCheckSettings, DirectionResult};
@@ -23,7 +24,7 @@ const CHECK: DirectionCheckSettings = DirectionCheckSettings { force_n: 30.0, ti
 
 const START_M: [f64; 2] = [0.01, -0.02];
 
-struct Bench {
+struct TestPlant {
     at_m: [f64; 2],
     velocity: [f64; 2],
     /// Which axis each drive moves, and the signs of force, motor reading and scale.
@@ -42,7 +43,7 @@ struct Bench {
     inputs: Inputs<2>,
 }
 
-impl Board<2> for Bench {
+impl Board<2> for TestPlant {
     fn inputs(&mut self) -> Inputs<2> {
         self.inputs
     }
@@ -85,11 +86,11 @@ fn machine() -> Machine<Fixed, 2> {
     Machine::new(rates, &[settings; 2], [Position(0); 2]).unwrap()
 }
 
-fn plant() -> (System, Bench) {
+fn plant() -> (System, TestPlant) {
     let machine = Box::leak(Box::new(machine()));
     let amplifiers = [Amplifier::new(FULL_N, 8400).unwrap(); 2];
     let system = DriveSystem::new(machine, amplifiers, EnableSwitch::new(2), StatusLight::new(50));
-    let plant = Bench {
+    let plant = TestPlant {
         at_m: START_M,
         velocity: [0.0; 2],
         drives: [0, 1],
@@ -108,7 +109,7 @@ fn plant() -> (System, Bench) {
     (system, plant)
 }
 
-impl Bench {
+impl TestPlant {
     fn run(&mut self, system: &mut System, ticks: u32) {
         for _ in 0..ticks {
             system.tick(self);
@@ -117,9 +118,8 @@ impl Bench {
                 let magnitude = if self.enabled { FULL_N * f64::from(counts) / 8400.0 } else { 0.0 };
                 let force = self.force_sign * if reverse { -magnitude } else { magnitude };
                 assert!(magnitude <= CHECK.force_n + 0.05, "a force of {magnitude} N");
-                let friction = self.friction_n * (self.velocity[axis] / 1e-4).tanh();
-                self.velocity[axis] += (force - friction) / MASS_KG / TICK_HZ;
-                self.at_m[axis] += self.velocity[axis] / TICK_HZ;
+                let table = Slide { mass_kg: MASS_KG, viscous_n_s_per_m: 0.0, coulomb_n: self.friction_n };
+                table.step(&mut self.at_m[axis], &mut self.velocity[axis], force, 1.0 / TICK_HZ);
             }
         }
     }
@@ -284,7 +284,7 @@ fn the_next_enable_holds_the_axes_where_they_stand() {
 /// Opening the switch, an emergency stop, a drive fault or a limit switch end the force in the same tick.
 #[test]
 fn a_check_is_aborted_at_once() {
-    let abort: [fn(&mut Bench); 4] = [
+    let abort: [fn(&mut TestPlant); 4] = [
         |plant| plant.closed = false,
         |plant| plant.inputs.emergency_stop = true,
         |plant| plant.inputs.axes[1].drive_fault = true,

@@ -1,5 +1,6 @@
 //! Changes of gains and law in operation: velocity command and force in every tick after the change.
 
+use crate::slide::Slide;
 use shared::axis::{AxisState, Reading};
 use shared::compensate::Correction;
 use shared::config::{AxisConfig, AxisSettings, Law, Rates};
@@ -92,7 +93,8 @@ fn an_offset_at_a_change_of_gains_fades_with_the_time_constant_of_the_new_loop()
 /// following error is zero, so a change of Kp does not change the force. If the integral were reset, the force would lose
 /// b·v = 100 N.
 fn keeps_its_integral<S: Scalar>() {
-    let (rate, mass_kg, friction_n_s_per_m, speed) = (SLOWER.velocity_loop_hz, 60.0, 2000.0, 0.05);
+    let (rate, friction_n_s_per_m, speed) = (SLOWER.velocity_loop_hz, 2000.0, 0.05);
+    let table = Slide { mass_kg: 60.0, viscous_n_s_per_m: friction_n_s_per_m, coulomb_n: 0.0 };
     let config = |position_gain_per_s| {
         let settings =
             AxisSettings { position_gain_per_s, feedforward_percent: 100.0, ..AxisSettings::default() };
@@ -105,8 +107,7 @@ fn keeps_its_integral<S: Scalar>() {
         target_m += speed / rate;
         let _ = state.position_tick(config, position(target_m), Correction::NONE, reading(position(motor_m)));
         let (force, _) = state.velocity_tick(config, reading(position(motor_m)), S::default());
-        velocity += (force.value() - friction_n_s_per_m * velocity) / mass_kg / rate;
-        motor_m += velocity / rate;
+        table.step(&mut motor_m, &mut velocity, force.value(), 1.0 / rate);
         force.value()
     };
     let steady = friction_n_s_per_m * speed;

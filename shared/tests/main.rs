@@ -16,4 +16,5 @@ mod machine;
 mod monitor;
 mod path;
 mod safety;
+mod slide;
 mod velocity_loop;

@@ -2,7 +2,7 @@
 //!
 //! [`program`] builds `lost-motion`, [`cases`] finds the blind cases in the folder of [`data`]; [`firmware`] builds the
 //! programs of the chip, [`chip`] analyses them, and [`board`] runs them on an emulated chip through [`gdb`]; [`listed`] is
-//! for tests that are compared with a catalogue.
+//! for tests that are compared with a catalogue, [`tables`] for those that are compared with a document.
 
 pub mod board;
 pub mod cases;
@@ -12,3 +12,4 @@ pub mod firmware;
 pub mod gdb;
 pub mod listed;
 pub mod program;
+pub mod tables;

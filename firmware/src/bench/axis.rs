@@ -120,6 +120,11 @@ impl AxisPlant {
         }
     }
 
+    /// Position of the motor, position units.
+    pub(super) const fn motor(&self) -> i64 {
+        self.motor
+    }
+
     /// The reading at the index pulse since the last call.
     pub const fn take_index(&mut self) -> Option<Position> {
         self.index.take()
@@ -166,7 +171,7 @@ impl AxisPlant {
 
 /// Lead, position units.
 #[expect(clippy::cast_possible_truncation, reason = "within the travel")]
-const LEAD: i64 = (LEAD_M * PER_M) as i64;
+pub(super) const LEAD: i64 = (LEAD_M * PER_M) as i64;
 
 /// Position of an index pulse, position units.
 #[expect(clippy::cast_possible_truncation, reason = "within the travel")]

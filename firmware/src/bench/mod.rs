@@ -1,12 +1,13 @@
 //! The simulated machine of the emulated servo board: two axes behind the same trait as the pins of a real board.
 //!
 //! `host-sim/machines/bench.toml` declares this machine. What it does not declare is the backlash of the x screw
-//! ([`BACKLASH_M`]): the tracer finds it in the logs of the board.
+//! ([`BACKLASH_M`]): the tracer finds it in the logs of the board. The x motor has no cogging until it is switched on ([`COGGING`]).
 
 mod axis;
+mod cogging;
 
 use shared::capture::ChannelSteps;
-use shared::config::{AxisSettings, Sensors};
+use shared::config::{AxisEnvelope, AxisSettings};
 use shared::drive::{
     Amplifier, AnyOutput, AxisInputs, Board, DriveSignal, DriveSystem, Duty, EnableSwitch, Inputs,
     StatusLight, Supply, SupplyLimits,
@@ -14,7 +15,7 @@ use shared::drive::{
 use shared::feedback::Reading;
 use shared::homing::{AtLimit, Direction, HomingSettings, Mark};
 use shared::link::message::BoardSettings;
-use shared::link::{Identity, Times};
+use shared::link::{AdmittedSettings, Envelope, Identity, Times};
 use shared::machine::{Machine, MachineConfig};
 use shared::scalar::Fixed;
 use shared::units::{PER_NM, Position};
@@ -22,6 +23,7 @@ use shared::units::{PER_NM, Position};
 use crate::setup::{self, AXES, RATES, SWITCH_SETTLING_TICKS, SetupError, TICK_HZ};
 pub use axis::COUNT;
 use axis::{AxisPlant, Frozen, INDEX_M, LEAD_M};
+pub use cogging::{COGGING, CoggingWave};
 
 /// Width of the dead zone between screw and table, m. Not declared in the machine file.
 pub const BACKLASH_M: [f64; AXES] = [14e-6, 0.0];
@@ -41,9 +43,22 @@ const LIMIT_SWITCH_M: f64 = 5e-3;
 /// Supply of the simulated power stages.
 const SUPPLY: Supply = Supply { bus_mv: Some(48_000), temperature_mc: Some(31_000) };
 
-/// What the supply of the power stages may be.
-const SUPPLY_LIMITS: SupplyLimits =
-    SupplyLimits { min_bus_mv: 36_000, max_bus_mv: 56_000, max_temperature_mc: 80_000 };
+/// What no upload and no record in flash may exceed.
+pub static ENVELOPE: Envelope = Envelope {
+    axes: [AxisEnvelope {
+        travel_m: Some(TRAVEL_M),
+        // 18 m/min.
+        fastest_m_per_s: 0.3,
+        force_limit_n: 300.0,
+        saturation_time_s: 1.0,
+        following_error_limit_m: 2e-3,
+        frozen_encoder_limit_m: 0.5e-3,
+        scale_disagreement_limit_m: Some(1e-3),
+        stop_deceleration_m_per_s2: 0.5,
+        excitation_limit_n: 120.0,
+    }; AXES],
+    supply: SupplyLimits { min_bus_mv: 36_000, max_bus_mv: 56_000, max_temperature_mc: 80_000 },
+};
 
 /// How the axes are homed: towards the switch at their negative end, to the index pulse behind its edge.
 const HOMING: HomingSettings = HomingSettings {
@@ -67,18 +82,11 @@ const FULL_COUNTS: u16 = 8400;
 const N_PER_COUNT: [f32; AXES] =
     [setup::FULL_DUTY_N[0] as f32 / FULL_COUNTS as f32, setup::FULL_DUTY_N[1] as f32 / FULL_COUNTS as f32];
 
-/// The settings of the controller at the start.
-pub const SETTINGS: BoardSettings = BoardSettings {
+/// The settings of the controller at the start, within [`ENVELOPE`].
+pub const SETTINGS: AdmittedSettings = ENVELOPE.admit_program(BoardSettings {
     rates: RATES,
-    axes: [AxisSettings {
-        travel_m: Some(TRAVEL_M),
-        sensors: Sensors::Motor {
-            scale_disagreement_limit_m: Some(0.5e-3),
-            frozen_encoder_limit_m: setup::SETTINGS[0].sensors.frozen_encoder_limit_m(),
-        },
-        ..setup::SETTINGS[0]
-    }; AXES],
-};
+    axes: [AxisSettings { travel_m: Some(TRAVEL_M), ..setup::SETTINGS[0] }; AXES],
+});
 
 /// What the board says about itself.
 pub const IDENTITY: Identity = Identity {
@@ -88,6 +96,7 @@ pub const IDENTITY: Identity = Identity {
     steps: ChannelSteps { command: PER_NM / 16, motor: [COUNT; AXES], table: [COUNT; AXES], force_bits: 5 },
     times: Times { hold_ms: 500, off_ms: 10_000, jog_ms: 300 },
     homing: [Some(HOMING); AXES],
+    envelope: &ENVELOPE,
 };
 
 /// The machine with its inputs, operated from the bench and not by the host.
@@ -102,6 +111,7 @@ pub struct Bench {
 
 /// What a person operates at the machine.
 #[derive(Clone, Copy, Debug, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub struct OperatorInputs {
     /// The enable switch is closed.
     pub enable_switch: bool,
@@ -111,6 +121,8 @@ pub struct OperatorInputs {
     pub x_frozen: Frozen,
     /// The signal of the x scale is lost.
     pub x_scale_lost: bool,
+    /// The x motor has its cogging ([`COGGING`]).
+    pub x_cogging: bool,
 }
 
 impl Bench {
@@ -126,6 +138,7 @@ impl Bench {
                 emergency_stop: false,
                 x_frozen: Frozen { encoder: false, scale: false },
                 x_scale_lost: false,
+                x_cogging: false,
             },
         }
     }
@@ -137,9 +150,11 @@ impl Bench {
 
     /// Moves the machine by the time of a tick.
     pub fn step(&mut self) {
-        let frozen = [self.operator_inputs.x_frozen, Frozen::default()];
-        for ((axis, force), frozen) in self.axes.iter_mut().zip(self.forces).zip(frozen) {
-            axis.step(if self.enabled { force } else { 0.0 }, frozen);
+        let OperatorInputs { x_frozen, x_cogging, .. } = self.operator_inputs;
+        let inputs = [(x_frozen, x_cogging), (Frozen::default(), false)];
+        for ((axis, force), (frozen, has_cogging)) in self.axes.iter_mut().zip(self.forces).zip(inputs) {
+            let cogging_n = if has_cogging { cogging::force_n(axis.motor()) } else { 0.0 };
+            axis.step(cogging_n + if self.enabled { force } else { 0.0 }, frozen);
         }
     }
 }
@@ -214,5 +229,5 @@ pub fn drive_system(
     for axis in 0..AXES {
         machine.lose_reference(axis);
     }
-    Ok(DriveSystem::new(machine, outputs, switch, light).with_supply_limits(SUPPLY_LIMITS))
+    Ok(DriveSystem::new(machine, outputs, switch, light).with_supply_limits(ENVELOPE.supply))
 }

@@ -26,10 +26,16 @@ pub fn of_the_path(counter: &mut Counter) -> Option<()> {
 
     let there_and_back: [_; 16] = from_fn(|k| line([if k % 2 == 0 { 2e-6 } else { 0.0 }, 0.0]));
     let none = Smoothing::None;
-    path(counter, "path, a line", &[line([0.02, 0.01])], none)?;
-    path(counter, "path, an arc", &[arc([-0.01, 0.0], 0.3)], none)?;
-    path(counter, "path, an arc, S-curve behind it", &[arc([-0.01, 0.0], 0.3)], full_axis().smoothing)?;
-    path(counter, "path, blocks of 12 ticks", &there_and_back, none)?;
+    path(counter, "path, a line", &[line([0.02, 0.01])], (none, 100))?;
+    path(counter, "path, an arc", &[arc([-0.01, 0.0], 0.3)], (none, 100))?;
+    path(counter, "path, an arc at 150 %", &[arc([-0.01, 0.0], 0.3)], (none, 150))?;
+    path(
+        counter,
+        "path, an arc, S-curve behind it",
+        &[arc([-0.01, 0.0], 0.3)],
+        (full_axis().smoothing, 100),
+    )?;
+    path(counter, "path, blocks of 12 ticks", &there_and_back, (none, 100))?;
     let samples: [(i32, i32); 1000] = from_fn(|k| {
         let (sine, cosine) = sin_cos((k as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
         ((sine >> 46) as i32, (cosine >> 46) as i32)
@@ -60,10 +66,16 @@ fn alone<S: Scalar>(settings: &CompensationSettings) -> Option<Compensation<S, A
     Some(all)
 }
 
-/// Counts every tick of a path of these blocks, with a filter behind it.
-fn path(counter: &mut Counter, name: &str, blocks: &[Block<AXES>], smoothing: Smoothing) -> Option<()> {
+/// Counts every tick of a path of these blocks at a feed override, with a filter behind it.
+fn path(
+    counter: &mut Counter,
+    name: &str,
+    blocks: &[Block<AXES>],
+    (smoothing, percent): (Smoothing, u8),
+) -> Option<()> {
     let mut path = Path::new(START, RATES.position_loop_hz());
     path.smooth(&[smoothing; AXES]).ok()?;
+    path.set_override(percent, 1);
     for block in blocks {
         path.push(block).ok()?;
     }

@@ -14,6 +14,7 @@ pub const END: u8 = b'q';
 /// | `f`, `t` | freezes the encoder of the x motor, thaws it |
 /// | `k`, `m` | freezes the x scale, thaws it |
 /// | `l`, `g` | loses the signal of the x scale, gives it back |
+/// | `w`, `n` | the x motor has cogging, has none |
 pub fn operate(operator_inputs: &mut OperatorInputs, byte: u8) -> bool {
     let (input, on) = match byte {
         b'c' => (&mut operator_inputs.enable_switch, true),
@@ -26,6 +27,8 @@ pub fn operate(operator_inputs: &mut OperatorInputs, byte: u8) -> bool {
         b'm' => (&mut operator_inputs.x_frozen.scale, false),
         b'l' => (&mut operator_inputs.x_scale_lost, true),
         b'g' => (&mut operator_inputs.x_scale_lost, false),
+        b'w' => (&mut operator_inputs.x_cogging, true),
+        b'n' => (&mut operator_inputs.x_cogging, false),
         _ => return false,
     };
     *input = on;

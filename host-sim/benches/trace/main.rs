@@ -52,7 +52,7 @@ fn synthetic() -> (Machine, Log) {
         105.0 * acceleration + 21.0 * velocity.signum() + 190.0 * velocity - 3.1 + 2.0 * noise()
     };
     axis.force = Some((0..24_840).map(force).collect());
-    (machine, Log { source: "synthetic".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] })
+    (machine, Log::new("synthetic", 0.0, 1e-3, [axis]))
 }
 
 fn rigid(criterion: &mut Criterion) {

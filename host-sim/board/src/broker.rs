@@ -1,4 +1,4 @@
-//! A socket beside the lock of a port, at which other programs of this user ask for what needs no session: stop, hold, disable, status.
+//! A socket beside the lock of a port, at which other programs of this user ask for what needs no session: stop, hold, disable, override, status.
 //!
 //! A guest sends the packets that it would send at the port, and gets the replies of the board. It gets no session: it can start
 //! nothing, and its requests are no sign of life of the program that holds the port.
@@ -165,7 +165,10 @@ fn received(receiver: &mut Receiver, byte: u8) -> Option<(u32, Option<Request>)>
     let request = packet::message::<Request>(packet.message).ok();
     let needs_none = |request: &Request| {
         request.halt().is_some()
-            || matches!(request, Request::Status | Request::FaultHistory | Request::Identify)
+            || matches!(
+                request,
+                Request::Status | Request::FaultHistory | Request::Identify | Request::Override { .. }
+            )
     };
     Some((
         packet.header.sequence,

@@ -1,4 +1,4 @@
-//! What needs no session: to hold, stop and disable, and to look.
+//! What needs no session: to hold, stop and disable, to set the feed override, and to look.
 //!
 //! If another program holds the port, the request goes through that program, whose own motion it may end.
 
@@ -52,6 +52,17 @@ impl Observer {
     /// [`BoardError`].
     pub fn halt(&mut self, halt: Halt) -> Result<(), BoardError> {
         match self.ask(&Request::from(halt))? {
+            Reply::Done => Ok(()),
+            _ => Err(BoardError::Unexpected),
+        }
+    }
+
+    /// Sets the feed override, 0 to 200 %.
+    ///
+    /// # Errors
+    /// [`BoardError`]; [`BoardError::Refused`] if nothing moves.
+    pub fn set_override(&mut self, percent: u8) -> Result<(), BoardError> {
+        match self.ask(&Request::Override { percent })? {
             Reply::Done => Ok(()),
             _ => Err(BoardError::Unexpected),
         }

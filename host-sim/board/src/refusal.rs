@@ -1,6 +1,7 @@
 //! Refusals, faults and events in words, each with what helps.
 
 use shared::drive::direction_check::DirectionResult;
+use shared::excitation::ExcitationProblem;
 use shared::interpolate::PathError;
 use shared::link::Refusal;
 use shared::link::halt::Halt;
@@ -63,6 +64,9 @@ pub fn text(refusal: &Refusal) -> String {
         Refusal::NothingToSave => "there is nothing to save: no settings were uploaded for it".into(),
         Refusal::OtherPort => "a host uses its other port, and has not been silent for long enough".into(),
         Refusal::HaltedByOther(halt) => halted_by_other(*halt).into(),
+        Refusal::Override { max } => format!("the override: expected a number from 0 to {max} %"),
+        Refusal::NothingMoves => "nothing moves or is held: an override applies to a motion that runs".into(),
+        Refusal::Excitation(problem) => excitation_problem(*problem).into(),
         Refusal::Busy => "the path changes too fast; try again".into(),
     }
 }
@@ -113,6 +117,16 @@ fn setting(problem: &SettingProblem) -> String {
         SettingProblem::OutOfRange { min, max } => format!("expected a number from {min} to {max}"),
         SettingProblem::Count { max } => format!("expected 2 to {max} values"),
         SettingProblem::NotAnotherAxis => "expected the number of another axis".into(),
+        SettingProblem::AboveCeiling { value, ceiling } => {
+            format!("{value} is above {ceiling}, the ceiling of this board")
+        }
+        SettingProblem::BelowFloor { value, floor } => {
+            format!("{value} is below {floor}, the floor of this board")
+        }
+        SettingProblem::NotMonitored { ceiling } => {
+            format!("it is missing; this board requires a limit of at most {ceiling}")
+        }
+        SettingProblem::NoScale => "the axis has no linear scale on this board".into(),
     }
 }
 
@@ -124,6 +138,21 @@ const fn direction_problem(problem: DirectionProblem) -> &'static str {
         DirectionProblem::StepDrive => "a drive with step and direction inputs has no force to check",
         DirectionProblem::Force => "the force has to be positive and at most the force limit of the axis",
         DirectionProblem::Setting => "expected a time of at most 1 s and a distance of at most 5 mm",
+    }
+}
+
+const fn excitation_problem(problem: ExcitationProblem) -> &'static str {
+    match problem {
+        ExcitationProblem::Force => {
+            "the force has to be positive, and its amplitudes at most the force limit of the axis together"
+        }
+        ExcitationProblem::Period => {
+            "the period of the force has to be a power of two from 256 to 8192 ticks"
+        }
+        ExcitationProblem::Tones => {
+            "the force has to have 1 to 8 tones of ascending frequencies below half the tick rate"
+        }
+        ExcitationProblem::StepDrive => "a drive with step and direction inputs has no force",
     }
 }
 

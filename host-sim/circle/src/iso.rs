@@ -43,7 +43,7 @@ pub struct Figures {
     pub directions: Vec<Direction>,
     /// Circular hysteresis H, µm, if both directions were measured.
     pub hysteresis_um: Option<f64>,
-    /// Bidirectional circular deviation G(b), µm, likewise.
+    /// Bidirectional circular deviation G(b), µm; `None` with one direction only.
     pub bidirectional_um: Option<f64>,
 }
 

@@ -124,6 +124,7 @@ struct Signals<'a> {
     /// mm from the centre.
     command: [Vec<f64>; 2],
     measured: [Vec<f64>; 2],
+    log: &'a Log,
 }
 
 /// The part of an arc that is evaluated.
@@ -136,7 +137,7 @@ struct SteadyArc {
 }
 
 impl<'a> Signals<'a> {
-    fn new(log: &Log, plane: [usize; 2], channel: Channel, circle: &'a Circle) -> Self {
+    fn new(log: &'a Log, plane: [usize; 2], channel: Channel, circle: &'a Circle) -> Self {
         let about_centre = |channel: Channel| {
             [0, 1].map(|i| {
                 let values = log.axes[plane[i]].channel(channel).unwrap_or_default();
@@ -149,6 +150,7 @@ impl<'a> Signals<'a> {
             sample_s: log.sample_time_s,
             command: about_centre(Channel::Command),
             measured: about_centre(channel),
+            log,
         }
     }
 
@@ -251,6 +253,7 @@ fn samples(signals: &[Signals<'_>], delay_s: f64) -> (Samples, Vec<f64>, usize) 
     let top_speed = numerics::max_abs(speeds);
     let radius_mm = signals.first().map_or(0.0, |log| 1e3 * log.circle.radius);
     let (mut instants, mut arcs, mut starts_rad) = (Vec::new(), Vec::new(), Vec::new());
+    let mut is_interpolated = Vec::new();
     let mut deviations = [Vec::new(), Vec::new()];
     for (log, of_log) in steady {
         let angles = log.angles(delay_s);
@@ -267,18 +270,22 @@ fn samples(signals: &[Signals<'_>], delay_s: f64) -> (Samples, Vec<f64>, usize) 
                     deviation.push(1e3 * (log.measured[axis][i] - radius_mm * at.position[axis]));
                 }
                 instants.push(at);
+                is_interpolated.push(!log.log.is_measured(i));
             }
             starts_rad.push(wrapped(angles[arc.samples.start] - arc.start_angle, TAU).abs());
             arcs.push(start..instants.len());
         }
     }
-    let mut is_fault = vec![false; instants.len()];
+    let mut is_left_out = vec![false; instants.len()];
     for i in deviations.iter().flat_map(|deviation| faults(deviation)) {
-        is_fault[i] = true;
+        is_left_out[i] = true;
     }
-    let left_out = is_fault.iter().filter(|fault| **fault).count();
+    let left_out = is_left_out.iter().filter(|fault| **fault).count();
+    for (is_left_out, is_interpolated) in is_left_out.iter_mut().zip(is_interpolated) {
+        *is_left_out |= is_interpolated;
+    }
     let sample_s = signals.first().map(|log| log.sample_s);
     let (speed_mm_s, observed) = (Some(top_speed), Observed::Both(deviations));
     let samples = Samples { radius_mm, speed_mm_s, sample_s, instants, arcs, observed };
-    (samples.filtered(|i| !is_fault[i]), starts_rad, left_out)
+    (samples.filtered(|i| !is_left_out[i]), starts_rad, left_out)
 }

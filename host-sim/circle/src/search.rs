@@ -156,13 +156,13 @@ fn peak(power: &[f64], lowest: f64, highest: f64) -> Option<f64> {
     let [from, to] = [(lowest.ceil() as usize).max(1), (highest.floor() as usize).min(power.len())];
     let mut order: Vec<usize> = (from..to).collect();
     order.sort_by(|&a, &b| power[b].total_cmp(&power[a]));
-    let stands_out = |bin: usize| {
+    let is_line = |bin: usize| {
         let around = bin.saturating_sub(AROUND).max(from)..(bin + AROUND).min(to);
         let median = numerics::median(&power[around]).unwrap_or(0.0);
         let is_top = [bin - 1, bin + 1].iter().all(|&i| power.get(i).is_none_or(|p| *p <= power[bin]));
         is_top && power[bin] > MIN_LINE * median
     };
-    order.into_iter().take(TRIED).find(|&bin| stands_out(bin)).map(|bin| bin as f64)
+    order.into_iter().take(TRIED).find(|&bin| is_line(bin)).map(|bin| bin as f64)
 }
 
 /// Place of the maximum between two places (golden section).

@@ -34,7 +34,7 @@ pub struct CircleDeviation {
     pub laps: Vec<LapDeviation>,
     /// Bidirectional circular deviation G(b), µm, if both directions are full.
     pub bidirectional_um: Option<f64>,
-    /// Circular hysteresis H, µm, likewise.
+    /// Circular hysteresis H, µm; `None` as for G.
     pub hysteresis_um: Option<f64>,
 }
 

@@ -125,7 +125,7 @@ mod tests {
             axis.tool = Some(command.iter().enumerate().map(|(i, mm)| mm + off(i)).collect());
             axis.command = Some(command);
         }
-        Log { source: "l.csv".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: axes.to_vec() }
+        Log::new("l.csv", 0.0, 1e-3, axes.to_vec())
     }
 
     #[test]

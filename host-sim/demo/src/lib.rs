@@ -42,7 +42,7 @@ const FIT: [(&str, f64); 3] = [
     (include_str!("../../motions/demo_travel.toml"), 60.0),
 ];
 
-/// Motions of the validation, likewise. They are not used in the fit.
+/// Motions of the validation. They are not used in the fit.
 const VALIDATE: [(&str, f64); 2] = [
     (include_str!("../../motions/demo_ballbar.toml"), 90.0),
     (include_str!("../../motions/demo_corner.toml"), 120.0),

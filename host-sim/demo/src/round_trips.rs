@@ -32,7 +32,7 @@ pub struct RoundTrip {
     pub seed: u64,
     /// Its effects, as `axis: name`.
     pub effects: Vec<String>,
-    /// The effects found, likewise.
+    /// The effects found, in the order of the axes.
     pub found: Vec<String>,
     /// Contour error before, as predicted, and after, µm rms over all motions.
     pub contour_um: [f64; 3],

@@ -15,6 +15,9 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// Smallest length of a segment that is not the last one, bytes.
 const SEGMENT: usize = 1 << 22;
 
+/// Most bytes that a gzip file may unpack to, 2 GiB: an hour at 4 kHz with 13 columns of 10 digits.
+const MOST_UNPACKED: u64 = 1 << 31;
+
 /// Opens a file; `-` is standard input. A gzip file, recognised by the suffix `.gz` or by its first bytes, is decompressed.
 ///
 /// # Errors
@@ -44,16 +47,29 @@ pub fn unpacked<'a>(
     read.map_err(|cause| InputError::unreadable(source, &cause))?;
     let is_gzip = start == GZIP_MAGIC || (is_named_gzip && !start.is_empty());
     let whole = io::Cursor::new(start).chain(input);
-    Ok(if is_gzip { Box::new(Unpacked(MultiGzDecoder::new(whole))) } else { Box::new(whole) })
+    Ok(if is_gzip {
+        Box::new(Unpacked { packed: MultiGzDecoder::new(whole), left: MOST_UNPACKED })
+    } else {
+        Box::new(whole)
+    })
 }
 
-/// An unpacked gzip file, whose errors say so.
-struct Unpacked<R>(MultiGzDecoder<R>);
+/// An unpacked gzip file, whose errors say so; `left` is the number of bytes that it may still unpack to.
+struct Unpacked<R> {
+    packed: MultiGzDecoder<R>,
+    left: u64,
+}
 
 impl<R: Read> Read for Unpacked<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let incomplete = |cause| io::Error::other(format!("expected a complete gzip file: {cause}"));
-        self.0.read(buffer).map_err(incomplete)
+        let read = self.packed.read(buffer).map_err(incomplete)?;
+        let too_long = || {
+            let limit = MOST_UNPACKED >> 20;
+            io::Error::other(format!("expected a gzip file of at most {limit} MiB, unpacked, found more"))
+        };
+        self.left = self.left.checked_sub(read as u64).ok_or_else(too_long)?;
+        Ok(read)
     }
 }
 
@@ -85,21 +101,19 @@ impl<'a> Segments<'a> {
     /// The next segment of whole lines; the last line may lack its end. `None` after the last one.
     ///
     /// # Errors
-    /// If the input cannot be read, or is not a text in UTF-8.
+    /// If the input cannot be read, is not a text in UTF-8, or has a line of more than 4 MiB.
     pub fn next_segment(&mut self) -> Result<Option<Vec<u8>>, InputError> {
         let mut text = std::mem::take(&mut self.rest);
-        loop {
-            let wanted = SEGMENT as u64;
-            let read = self.input.by_ref().take(wanted).read_to_end(&mut text);
-            let read = read.map_err(|cause| unreadable(self.source, &cause))?;
-            self.check(&text, read < SEGMENT)?;
-            if read < SEGMENT {
-                break;
-            }
-            if let Some(end) = text.iter().rposition(|&byte| byte == b'\n') {
-                self.rest = text.split_off(end + 1);
-                break;
-            }
+        let read = self.input.by_ref().take(SEGMENT as u64).read_to_end(&mut text);
+        let read = read.map_err(|cause| unreadable(self.source, &cause))?;
+        let is_end = read < SEGMENT;
+        self.check(&text, is_end)?;
+        if !is_end {
+            let Some(end) = text.iter().rposition(|&byte| byte == b'\n') else {
+                let error = InputError::expected(self.source, "lines of at most 4 MiB", "a longer one");
+                return Err(error.at_line(self.line));
+            };
+            self.rest = text.split_off(end + 1);
         }
         if text.is_empty() {
             return Ok(None);
@@ -173,9 +187,28 @@ mod tests {
     }
 
     #[test]
-    fn a_text_without_line_ends_is_one_segment() {
-        let text = "1".repeat(2 * SEGMENT + 5);
-        assert_eq!(segments(text.as_bytes()).unwrap().len(), 1);
+    fn a_line_that_is_longer_than_a_segment_is_an_error() {
+        let line = |bytes: usize| format!("a\n{}", "1".repeat(bytes));
+        let parts = segments(line(SEGMENT - 3).as_bytes()).unwrap();
+        assert_eq!(parts.concat().len(), SEGMENT - 1);
+        let message = segments(line(2 * SEGMENT + 5).as_bytes()).unwrap_err().to_string();
+        assert_eq!(message, "t.csv: line 2: expected lines of at most 4 MiB, found a longer one");
         assert!(segments(b"").unwrap().is_empty());
+    }
+
+    /// A limit in place of [`MOST_UNPACKED`], which is too long for a test.
+    #[test]
+    fn a_gzip_file_unpacks_to_no_more_than_its_limit() {
+        let mut packed = Vec::new();
+        flate2::read::GzEncoder::new(&[7_u8; 1000][..], flate2::Compression::default())
+            .read_to_end(&mut packed)
+            .unwrap();
+        let unpacked = |left| {
+            let mut all = Vec::new();
+            Unpacked { packed: MultiGzDecoder::new(&packed[..]), left }.read_to_end(&mut all).map(|_| all)
+        };
+        assert_eq!(unpacked(1000).unwrap(), [7; 1000]);
+        let message = unpacked(999).unwrap_err().to_string();
+        assert_eq!(message, "expected a gzip file of at most 2048 MiB, unpacked, found more");
     }
 }

@@ -127,8 +127,13 @@ impl<'a> Table<'a> {
             let read = self.reader.read_byte_record(&mut self.record);
             if read.map_err(|error| InputError::new(self.source, error.to_string()))? {
                 let start = self.record.position().map_or(0, csv::Position::byte);
-                self.line = self.line_at(usize::try_from(start).unwrap_or(usize::MAX));
-                return Ok(true);
+                let start = usize::try_from(start).unwrap_or(usize::MAX);
+                let text = self.reader.get_ref().get_ref();
+                // A comment that ends with the text is read as a record without cells.
+                if text.get(start..).is_some_and(|rest| skipped(rest) < rest.len()) {
+                    self.line = self.line_at(start);
+                    return Ok(true);
+                }
             }
             let end = self.reader.get_ref().get_ref().len();
             let line = self.line_at(end);
@@ -143,7 +148,7 @@ impl<'a> Table<'a> {
     fn line_at(&mut self, start: usize) -> usize {
         let text = self.reader.get_ref().get_ref();
         let start = start.min(text.len());
-        let blank = text[start..].iter().take_while(|byte| b"\r\n".contains(byte)).count();
+        let blank = skipped(&text[start..]);
         let (from, line) = self.counted;
         let line =
             line + line_at(&text[from.min(start + blank)..], start + blank - from.min(start + blank)) - 1;
@@ -152,9 +157,30 @@ impl<'a> Table<'a> {
     }
 }
 
-/// A reader that accepts rows of any length, so that [`Table::next_row`] reports the error.
+/// First character of a line that is a comment.
+const COMMENT: u8 = b'#';
+
+/// A reader that skips comments and accepts rows of any length, so that [`Table::next_row`] reports the error.
 fn reader(text: Vec<u8>) -> Reader<Cursor<Vec<u8>>> {
-    ReaderBuilder::new().has_headers(false).flexible(true).from_reader(Cursor::new(text))
+    ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .comment(Some(COMMENT))
+        .from_reader(Cursor::new(text))
+}
+
+/// Number of bytes before the next record: blank lines and comments.
+fn skipped(text: &[u8]) -> usize {
+    let mut at = 0;
+    loop {
+        match text.get(at) {
+            Some(b'\r' | b'\n') => at += 1,
+            Some(&COMMENT) => {
+                at += text[at..].iter().position(|&byte| byte == b'\n').unwrap_or(text.len() - at);
+            }
+            _ => return at,
+        }
+    }
 }
 
 /// A row; the number of its cells is that of the columns.
@@ -248,6 +274,20 @@ mod tests {
         );
         assert_eq!(message("a,b\n1\n"), "t.csv: line 2: expected 2 values as in the header, found 1");
         assert!(rows("a,b\n2e9,1\n").is_ok());
+    }
+
+    #[test]
+    fn comments_are_skipped_and_counted_as_lines() {
+        let text = "# by a tool\na,b\n1,2\n# pause, of 3 s\r\n\n# again\n3,4\n#end";
+        assert_eq!(rows(text).unwrap(), [3.0, 7.0]);
+        let message = |text: &str| rows(text).unwrap_err().to_string();
+        assert_eq!(
+            message(&text.replace("3,4", "3,x")),
+            "t.csv: line 7: b: expected a finite number, found \"x\""
+        );
+        let mut table = Table::parse(text.as_bytes(), "t.csv").unwrap();
+        while table.next_row().unwrap().is_some() {}
+        assert_eq!(table.row_error(1, "X", "Y").to_string(), "t.csv: line 7: expected X, found Y");
     }
 
     #[test]

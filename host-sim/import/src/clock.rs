@@ -1,15 +1,19 @@
 //! Rows at any times as samples of a uniform clock.
 //!
 //! Rows that repeat a time are left out; few lost rows are bridged by straight lines; where many are lost, the longest part without such
-//! a gap is taken; rows at uneven times are interpolated. Each is counted.
+//! a gap is taken; rows at uneven times are interpolated. Each is counted, and the samples that are no measurement are marked.
+
+use std::ops::Range;
 
 use files::error::InputError;
-use files::log::{AxisLog, Log};
+use files::log::{AxisLog, Channel, Log, Rows, TIME};
 use files::table::MAX_MEASURED;
 
-use crate::columns::Chosen;
+use crate::columns::{Chosen, ChosenChannel, TimeColumn};
+use crate::conversion::Conversion;
+use crate::format::Format;
 use crate::integral;
-use crate::table::ForeignTable;
+use crate::table::{ForeignColumn, ForeignTable};
 
 /// Greatest number of lost rows in a place that a straight line bridges: at 1 kHz 10 ms, in which an axis at 1 m/s² departs from it by
 /// 12 µm.
@@ -18,6 +22,9 @@ const BRIDGED: usize = 10;
 /// Deviation from the uniform clock, in samples, from which a row is late or early. Times printed with one more digit than the period
 /// deviate by less.
 const LATE: f64 = 0.1;
+
+/// Greatest part of samples that may be late or early and are left out; of a clock that is uneven throughout, nothing would be left.
+const MOST_LATE: f64 = 0.2;
 
 /// Greatest part of rows that may repeat a time.
 const MOST_REPEATED: f64 = 0.2;
@@ -47,7 +54,7 @@ pub fn uniform(
     notes.push(format!("{} samples at {rate:.6} Hz: sample_rate_hz of the machine file", grid.samples()));
     let mut axes: Vec<AxisLog> = Vec::new();
     for column in chosen.channels {
-        let values = grid.sampled(&times_s, &table.columns[column.column].values);
+        let values = grid.sampled(&table.columns[column.column].values);
         let values: Vec<f64> = values.into_iter().map(|value| column.conversion.factor * value).collect();
         let values = if column.conversion.is_rate { integral::of(&values, grid.period_s) } else { values };
         let is_measured = |value: f64| value.is_finite() && value.abs() <= MAX_MEASURED;
@@ -63,8 +70,30 @@ pub fn uniform(
         });
         *axes[axis].channel_mut(column.channel) = Some(values);
     }
-    let start_s = times_s[grid.rows[0].0];
-    Ok(Log { source: source.to_owned(), start_s, sample_time_s: grid.period_s, axes })
+    let start_s = times_s[grid.rows[0].row];
+    let interpolated = grid.interpolated(notes);
+    Ok(Log { interpolated, ..Log::new(source, start_s, grid.period_s, axes) })
+}
+
+/// Makes a log of the rows of one of ours whose times are uneven.
+///
+/// # Errors
+/// If many times go back.
+pub fn of_rows(rows: Rows, source: &str, notes: &mut Vec<String>) -> Result<Log, InputError> {
+    let mut columns = vec![ForeignColumn::new(TIME.to_owned(), None, rows.times_s)];
+    let mut channels = Vec::new();
+    for mut of_axis in rows.axes {
+        for channel in Channel::ALL {
+            let Some(values) = of_axis.channel_mut(channel).take() else { continue };
+            let conversion = Conversion { factor: 1.0, is_rate: false };
+            let (axis, unit) = (of_axis.name.clone(), of_axis.unit);
+            channels.push(ChosenChannel { axis, channel, unit, column: columns.len(), conversion });
+            columns.push(ForeignColumn::new(String::new(), None, values));
+        }
+    }
+    let table = ForeignTable { format: Format::Text, columns, period_s: None, header_line: Some(1) };
+    let chosen = Chosen { time: Some(TimeColumn { column: 0, factor: Some(1.0) }), channels };
+    uniform(&table, chosen, None, source, notes)
 }
 
 /// Number of rows of the chosen columns, which are of equal length.
@@ -126,13 +155,29 @@ fn valid_rows(
     Ok(rows)
 }
 
+/// A row on a uniform clock.
+struct PlacedRow {
+    /// Its number in the table.
+    row: usize,
+    /// The sample that it is nearest to, counted from the first.
+    sample: usize,
+    /// Its time, in samples.
+    position: f64,
+}
+
+impl PlacedRow {
+    /// Whether it is late or early.
+    fn is_late(&self) -> bool {
+        (self.position - self.sample as f64).abs() > LATE
+    }
+}
+
 /// A uniform clock with the rows that it has.
 struct Grid {
     period_s: f64,
-    /// Row of the table, and the sample that it is nearest to, counted from the first.
-    rows: Vec<(usize, usize)>,
-    /// Whether rows are late or early.
-    is_uneven: bool,
+    rows: Vec<PlacedRow>,
+    /// Number of rows that are late or early.
+    late: usize,
 }
 
 impl Grid {
@@ -154,62 +199,88 @@ impl Grid {
         let samples: f64 = rows.windows(2).map(whole_steps).sum();
         let [first_s, last_s] = [times_s[rows[0]], times_s[rows[rows.len() - 1]]];
         let period_s = if samples > 0.0 { (last_s - first_s) / samples } else { median_s };
-        let position = |row: usize| (times_s[row] - first_s) / period_s;
-        let mut placed: Vec<(usize, usize)> = Vec::new();
+        let mut placed: Vec<PlacedRow> = Vec::new();
         for &row in rows {
+            let position = (times_s[row] - first_s) / period_s;
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
                 reason = "from zero to the number of samples"
             )]
-            let sample = position(row).round() as usize;
-            if placed.last().is_none_or(|(_, last)| sample > *last) {
-                placed.push((row, sample));
+            let sample = position.round() as usize;
+            if placed.last().is_none_or(|last| sample > last.sample) {
+                placed.push(PlacedRow { row, sample, position });
             }
         }
-        let late =
-            placed.iter().filter(|(row, sample)| (position(*row) - *sample as f64).abs() > LATE).count();
+        let late = placed.iter().filter(|row| row.is_late()).count();
         if late > 0 {
             notes.push(format!(
                 "{late} of {} rows are late or early by more than {LATE} samples: interpolated",
                 placed.len()
             ));
         }
-        let grid = Self { period_s, rows: placed, is_uneven: late > 0 };
+        let grid = Self { period_s, rows: placed, late };
         let lost = grid.samples() - grid.rows.len();
         if lost > 0 {
-            notes.push(format!("{lost} of {} rows are lost and bridged by straight lines", grid.samples()));
+            notes.push(format!(
+                "{lost} of {} rows are lost and bridged by straight lines, which take no part in a trace",
+                grid.samples()
+            ));
         }
         grid
     }
 
     /// Number of samples from the first to the last row.
     fn samples(&self) -> usize {
-        self.rows.last().map_or(0, |(_, sample)| sample + 1)
+        self.rows.last().map_or(0, |last| last.sample + 1)
+    }
+
+    /// The samples that are no measurement: those without a row, and, unless they are many, those whose row is late or early.
+    fn interpolated(&self, notes: &mut Vec<String>) -> Vec<Range<usize>> {
+        let is_late_throughout = self.late as f64 > MOST_LATE * self.rows.len() as f64;
+        let mut is_measured = vec![false; self.samples()];
+        for row in self.rows.iter().filter(|row| is_late_throughout || !row.is_late()) {
+            is_measured[row.sample] = true;
+        }
+        if is_late_throughout {
+            notes.push(
+                "so many rows are late or early that their interpolated values take part in a trace"
+                    .to_owned(),
+            );
+        } else if self.late > 0 {
+            notes.push("the rows that are late or early take no part in a trace".to_owned());
+        }
+        let mut ranges: Vec<Range<usize>> = Vec::new();
+        for sample in (0..is_measured.len()).filter(|&sample| !is_measured[sample]) {
+            match ranges.last_mut() {
+                Some(last) if last.end == sample => last.end += 1,
+                _ => ranges.push(sample..sample + 1),
+            }
+        }
+        // A longer range has rows, which are late.
+        ranges.retain(|range| range.len() <= BRIDGED);
+        ranges
     }
 
     /// The values of a column at the samples.
-    fn sampled(&self, times_s: &[f64], values: &[f64]) -> Vec<f64> {
-        let first_s = times_s[self.rows[0].0];
+    fn sampled(&self, values: &[f64]) -> Vec<f64> {
         // Where a row is, in samples.
-        let at = |(row, sample): (usize, usize)| {
-            if self.is_uneven { (times_s[row] - first_s) / self.period_s } else { sample as f64 }
-        };
+        let at = |row: &PlacedRow| if self.late > 0 { row.position } else { row.sample as f64 };
         let mut next = 1;
         let value = |sample: usize| {
-            while next + 1 < self.rows.len() && at(self.rows[next]) < sample as f64 {
+            while next + 1 < self.rows.len() && at(&self.rows[next]) < sample as f64 {
                 next += 1;
             }
-            let (before, after) = (self.rows[next - 1], self.rows[next]);
+            let (before, after) = (&self.rows[next - 1], &self.rows[next]);
             let share = ((sample as f64 - at(before)) / (at(after) - at(before))).clamp(0.0, 1.0);
-            (1.0 - share) * values[before.0] + share * values[after.0]
+            (1.0 - share) * values[before.row] + share * values[after.row]
         };
         (0..self.samples()).map(value).collect()
     }
 }
 
 /// The longest range of rows between gaps that are not bridged; `steps`: from each row to the next.
-fn longest_part(steps: &[f64], median_s: f64) -> std::ops::Range<usize> {
+fn longest_part(steps: &[f64], median_s: f64) -> Range<usize> {
     let limit_s = (BRIDGED as f64 + 1.5) * median_s;
     let mut longest = 0..0;
     let mut start = 0;

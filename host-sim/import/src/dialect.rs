@@ -18,6 +18,9 @@ pub struct Dialect {
     pub has_decimal_comma: bool,
 }
 
+/// Words that are read as numbers: the direction of a circle, counter-clockwise positive.
+const DIRECTIONS: [(&str, f64); 2] = [("ccw", 1.0), ("cw", -1.0)];
+
 /// Lines from which the dialect is found.
 const LINES: usize = 2000;
 
@@ -73,6 +76,9 @@ impl Dialect {
     }
 
     fn number(self, cell: &str) -> Option<f64> {
+        if let Some((_, sign)) = DIRECTIONS.iter().find(|(word, _)| cell.eq_ignore_ascii_case(word)) {
+            return Some(*sign);
+        }
         let begins = cell.starts_with(|c: char| c.is_ascii_digit() || "+-.,".contains(c));
         if !begins {
             return None;
@@ -111,6 +117,7 @@ mod tests {
         assert_eq!([numbers[0], numbers[2]].map(f64::to_bits), [1.0_f64, 3.0].map(f64::to_bits));
         assert!(numbers[1].is_nan());
         assert_eq!(dialect.numbers("1,overrun,3"), None);
+        assert_eq!(dialect.numbers("1,cw,CCW"), Some(vec![1.0, -1.0, 1.0]));
         assert_eq!(dialect.numbers("nan,inf"), None);
         assert_eq!(dialect.numbers(",,"), None);
     }

@@ -3,7 +3,7 @@
 //! A foreign file is converted to a [`Log`] in four steps, each of which reports its assumptions:
 //!
 //! - [`read`]: bytes to a [`table`] of columns, by the [`mod@format`] that is recognised or requested: [`separated`] [`text`] of any
-//!   [`dialect`], [`twincat`], [`matlab`], [`numpy`], [`parquet_table`], [`mcap_messages`]
+//!   [`dialect`], [`labelled`] rows, [`twincat`], [`matlab`], [`numpy`], [`parquet_table`], [`mcap_messages`]
 //! - [`columns`]: by the [`request`] of the user, which column is which channel, with the
 //!   [`conversion`] of its [`unit`](mod@unit); [`names`]: which column was meant
 //! - [`ballbar`]: or the columns of a table of radii, which is not a log
@@ -11,12 +11,15 @@
 //! - [`clock`]: the times of a uniform clock; lost, repeated and late rows are counted and corrected; a velocity is replaced by its
 //!   [`integral`]
 //!
+//! [`accelerations`] are no log, and have their own type.
+//!
 //! [`any_log`] also reads this program's own logs; every command that takes a log uses it. [`save`] writes a log as CSV, Parquet or MCAP.
 //!
 //! No data are invented: a channel that is not mapped is not in the log, and a time that neither the file nor the user gives is an error.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+pub mod accelerations;
 pub mod any_log;
 pub mod arrays;
 pub mod ballbar;
@@ -28,6 +31,7 @@ pub mod dialect;
 pub mod format;
 pub mod groups;
 pub mod integral;
+pub mod labelled;
 pub mod matlab;
 pub mod mcap_chunks;
 pub mod mcap_messages;

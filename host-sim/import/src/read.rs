@@ -7,10 +7,7 @@ use crate::budget::Budget;
 use crate::dialect::Dialect;
 use crate::format::Format;
 use crate::table::{ForeignColumn, ForeignTable};
-use crate::{matlab, mcap_messages, numpy, parquet_table, separated, text, twincat};
-
-/// Begin of the accelerations that Klipper records.
-const KLIPPER: &str = "#time,accel_x,accel_y,accel_z";
+use crate::{accelerations, labelled, matlab, mcap_messages, numpy, parquet_table, separated, text, twincat};
 
 /// The columns of a file; `preset` is the format, if it is not to be recognised by content.
 ///
@@ -40,7 +37,8 @@ pub fn may_be_table(bytes: &[u8]) -> bool {
         let lines: Vec<&str> = text.lines().filter(|line| !line.trim().is_empty()).collect();
         Dialect::of(&lines).is_some()
     };
-    Format::of_binary(bytes).is_some() || text::decode(bytes, "", &mut Vec::new()).is_ok_and(has_rows)
+    let is_table = |text: String| labelled::is_log(&text) || has_rows(text);
+    Format::of_binary(bytes).is_some() || text::decode(bytes, "", &mut Vec::new()).is_ok_and(is_table)
 }
 
 /// The columns of a text.
@@ -51,7 +49,7 @@ fn of_text(
     notes: &mut Vec<String>,
 ) -> Result<ForeignTable, InputError> {
     let recognised = || match text {
-        _ if text.starts_with(KLIPPER) => Some(Format::Klipper),
+        _ if accelerations::is_table(text) => Some(Format::Klipper),
         _ if twincat::is_export(text) => Some(Format::Twincat),
         _ => None,
     };
@@ -59,9 +57,12 @@ fn of_text(
         Some(Format::Klipper) => Err(InputError::new(
             source,
             "accelerations that Klipper recorded: a log has positions and forces, to which accelerations cannot be integrated without \
-             drift; Klipper's calibrate_shaper.py finds resonances in them",
+             drift; `lost-motion resonances` finds the resonances in them",
         )),
         Some(Format::Twincat) => twincat::parse(text, preset, source, notes),
+        Some(Format::Halscope) | None if labelled::is_log(text) => {
+            labelled::parse(text, preset, source, notes)
+        }
         _ => separated::parse(text, preset, source, notes),
     }
 }

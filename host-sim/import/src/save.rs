@@ -37,14 +37,17 @@ pub fn write(log: &Log, path: &Path) -> Result<(), OutputError> {
     write_whole(path, |out| out.write_all(&packed?))
 }
 
-/// Name and values of each column of a log.
+/// Name and values of each column of a log, without the samples that were interpolated.
 fn columns(log: &Log) -> Vec<(String, Vec<f64>)> {
-    let mut columns = vec![(TIME.to_owned(), (0..log.len()).map(|sample| log.time_s(sample)).collect())];
+    let measured: Vec<usize> = (0..log.len()).filter(|&sample| log.is_measured(sample)).collect();
+    let times_s = measured.iter().map(|&sample| log.time_s(sample)).collect();
+    let mut columns = vec![(TIME.to_owned(), times_s)];
     for axis in &log.axes {
-        let measured = Channel::ALL
+        let channels = Channel::ALL
             .into_iter()
             .filter_map(|channel| Some((axis.column(channel), axis.channel(channel)?)));
-        columns.extend(measured.map(|(name, values)| (name, values.to_vec())));
+        let of_rows = |values: &[f64]| measured.iter().map(|&sample| values[sample]).collect();
+        columns.extend(channels.map(|(name, values)| (name, of_rows(values))));
     }
     columns
 }
@@ -57,7 +60,7 @@ fn parquet(log: &Log) -> ParquetResult<Vec<u8>> {
     let properties = WriterProperties::builder()
         .set_created_by("lost-motion".to_owned())
         .set_compression(Packing::SNAPPY)
-        // Measured values seldom repeat.
+        // Measured values rarely repeat.
         .set_dictionary_enabled(false)
         .build();
     let mut bytes = Vec::new();
@@ -90,16 +93,16 @@ fn mcap(log: &Log) -> Result<Vec<u8>, Box<dyn Error + Send + Sync>> {
     let schema = writer.add_schema(TOPIC, "jsonschema", &serde_json::to_vec(&schema)?)?;
     let channel_id = writer.add_channel(schema, TOPIC, "json", &BTreeMap::new())?;
     let offset_s = log.start_s.min(0.0);
-    for sample in 0..log.len() {
+    for (row, time_s) in columns[0].1.iter().enumerate() {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "from zero on; saturates"
         )]
-        let log_time = ((log.time_s(sample) - offset_s) * 1e9).round() as u64;
-        let sequence = u32::try_from(sample).unwrap_or(u32::MAX);
+        let log_time = ((time_s - offset_s) * 1e9).round() as u64;
+        let sequence = u32::try_from(row).unwrap_or(u32::MAX);
         let message: IndexMap<&str, f64> =
-            columns.iter().map(|(name, values)| (name.as_str(), values[sample])).collect();
+            columns.iter().map(|(name, values)| (name.as_str(), values[row])).collect();
         let header = MessageHeader { channel_id, sequence, log_time, publish_time: log_time };
         writer.write_to_known_channel(&header, &serde_json::to_vec(&message)?)?;
     }
@@ -122,7 +125,7 @@ mod tests {
         (x.command, x.motor, x.force) = (values(250.0), values(1.0 / 3.0), values(1e-7));
         let mut c = AxisLog::new("c", Unit::Degree);
         c.added_force = values(1e8);
-        Log { source: "log".to_owned(), start_s, sample_time_s: 1.0 / 8192.0, axes: vec![x, c] }
+        Log::new("log", start_s, 1.0 / 8192.0, [x, c])
     }
 
     fn read(bytes: &[u8]) -> Log {

@@ -84,8 +84,9 @@ fn is_comment(line: &str) -> bool {
     ["#", "%", "//"].iter().any(|sign| line.starts_with(sign))
 }
 
-/// The sampling period of a line `# Sampling period is 1000000 nSec`, s.
-fn sampling_period_s(line: &str) -> Option<f64> {
+/// The sampling period of a line `# Sampling period is 1000000 ns`, or in `nSec`, s.
+#[must_use]
+pub fn sampling_period_s(line: &str) -> Option<f64> {
     let line = line.to_lowercase();
     let mut words = line.split_once("sampling period is")?.1.split_whitespace();
     let (number, unit) = (words.next()?.parse::<f64>().ok()?, words.next()?);

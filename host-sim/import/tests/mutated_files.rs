@@ -76,7 +76,15 @@ fn no_change_of_a_file_causes_a_panic() {
     }
 }
 
-/// Unchanged, each seed is a log with its columns 1 and 2, or is refused for what its name says.
+/// Seeds that are refused as they are, with a part of the message: other names of columns, and a file that once caused a
+/// subtraction below zero.
+const REFUSED: [(&str, &str); 3] = [
+    ("comma", "expected a column of the file"),
+    ("german", "expected a column of the file"),
+    ("mcap_overlong_record", "a record that is longer than its chunk"),
+];
+
+/// Unchanged, each seed is a log with its columns 1 and 2, or is refused for the reason beside its name.
 #[test]
 fn the_seeds_are_read() {
     let read = |preset, bytes: &[u8]| {
@@ -89,9 +97,14 @@ fn the_seeds_are_read() {
         for (path, seed) in seeds(target) {
             let (first, bytes) = seed.split_first().unwrap();
             let result = read(presets[usize::from(*first) % presets.len()], bytes);
-            // The header of these two has other names.
-            let has_names = !(path.ends_with("comma") || path.ends_with("german"));
-            assert_eq!(result.is_ok(), has_names, "{}: {result:?}", path.display());
+            let name = path.file_name().and_then(|name| name.to_str()).expect("a name");
+            match REFUSED.iter().find(|(refused, _)| *refused == name) {
+                None => assert!(result.is_ok(), "{name}: {result:?}"),
+                Some((_, reason)) => {
+                    let error = result.expect_err(name).to_string();
+                    assert!(error.contains(reason), "{name}: {error}");
+                }
+            }
         }
     }
 }

@@ -10,7 +10,7 @@
 //!    repeats over the position is reported if the lead is not known ([`period`]).
 //! 4. [`written`]: the file with a comment for each value.
 //!
-//! [`gains`] has the first values of a trace whose machine file lacks the gains of a velocity drive.
+//! [`estimate`] has the first values of a trace whose machine file lacks them; [`gains`] those of a velocity drive.
 //!
 //! What logs cannot show remains unknown: the lead of a screw, limits, and everything that only a missing channel would show.
 
@@ -18,6 +18,7 @@
 
 pub mod control_loop;
 pub mod direction;
+pub mod estimate;
 pub mod form;
 pub mod gains;
 pub mod initial;

@@ -116,7 +116,7 @@ impl Rough {
         self.set("viscous_n_s_per_m", Some(rigid.viscous_n_s_per_m), Origin::Logs);
         if let Some(elastic) = mechanics::elastic(logs, &rigid) {
             self.add_elastic(&rigid, &elastic);
-        } else {
+        } else if self.settings.mechanics.stiffness_n_per_um.is_none() {
             self.set("table_mass_kg", Some(rigid.mass_kg), Origin::Logs);
             self.set("coulomb_n", Some(rigid.coulomb_n), Origin::Logs);
         }

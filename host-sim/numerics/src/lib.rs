@@ -1,6 +1,6 @@
 //! Numerical functions that several crates share. The crate depends on no other crate of this workspace.
 //!
-//! - [`extremes`]: minimum, maximum, peak to peak, largest absolute value
+//! - [`extremes`]: minimum, maximum, peak to peak, largest absolute value, the minima beside a maximum
 //! - [`averages`]: mean, root mean square, standard deviation, median, quantile
 //! - [`bins`]: mean of one variable over equal bins of another
 //! - [`noise`]: standard normal deviates
@@ -25,5 +25,5 @@ pub mod resample;
 pub mod spectrum;
 
 pub use averages::{mean, mean_and_deviation, median, quantile, rms, rms_reduction_percent};
-pub use extremes::{max, max_abs, min, min_max, peak_to_peak};
+pub use extremes::{max, max_abs, min, min_max, peak_to_peak, saddle};
 pub use periodic::wrapped;

@@ -39,6 +39,26 @@ pub fn delayed_linear(values: &[f64], age: f64) -> Vec<f64> {
     (0..n.cast_signed()).map(|i| mix(at(i - whole), at(i - whole - 1))).collect()
 }
 
+/// Values from the first to the last one, `step` samples apart, interpolated by the cubic through the four nearest samples. There is none
+/// of less than four values.
+#[must_use]
+pub fn spaced_cubic(values: &[f64], step: f64) -> Vec<f64> {
+    let n = values.len();
+    if n < 4 {
+        return Vec::new();
+    }
+    let last = (n - 1) as f64;
+    // A last value that lies beyond by rounding is not lost.
+    let times = (0..).map(|i| f64::from(i) * step).take_while(|time| *time < last + 1e-6);
+    let at = |time: f64| {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a sample's number")]
+        let start = (time as usize).clamp(1, n - 3);
+        let around = &values[start - 1..start + 3];
+        around.iter().zip(lagrange(time - start as f64)).map(|(value, weight)| weight * value).sum()
+    };
+    times.map(at).collect()
+}
+
 /// Weights of the values at −1, 0, 1, 2 in the interpolating cubic at t (Lagrange).
 fn lagrange(t: f64) -> [f64; 4] {
     let (before, after, far) = (t + 1.0, t - 1.0, t - 2.0);
@@ -48,6 +68,21 @@ fn lagrange(t: f64) -> [f64; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// From the first value to the last one, and the values themselves where a step is whole.
+    #[test]
+    fn a_cubic_is_sampled_exactly_at_any_rate() {
+        let f = |t: f64| 2.0 - 0.3 * t + 0.01 * t * t - 1e-4 * t * t * t;
+        let values: Vec<f64> = (0..50).map(|i| f(f64::from(i))).collect();
+        for (step, count) in [(0.25, 197), (1.3, 38), (0.7, 71), (1.0, 50)] {
+            let spaced = spaced_cubic(&values, step);
+            assert_eq!(spaced.len(), count, "{step}");
+            for (i, value) in spaced.iter().enumerate() {
+                assert!((value - f(i as f64 * step)).abs() < 1e-9, "{step} {i}");
+            }
+        }
+        assert!(spaced_cubic(&values[..3], 0.5).is_empty());
+    }
 
     #[test]
     fn a_cubic_is_delayed_exactly() {

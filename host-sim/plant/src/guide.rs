@@ -48,7 +48,7 @@ impl Guide<f64> {
             bristles: friction.has_bristles().then_some(bristles),
             relaxation_per_m: friction.constant_level_n().map(|level_n| bristles.relaxation_per_m(level_n)),
             load_n: parameters.load.constant.force_n,
-            has_position_load: parameters.load.position.is_some(),
+            has_position_load: parameters.load.varies(),
             has_memory: friction.memory.remembers(),
             is_beyond_linear: friction.is_beyond_linear(),
         }
@@ -115,10 +115,7 @@ impl<L: Lane> Guide<L> {
         if self.has_position_load {
             // In the middle of the step, by extrapolation.
             let middle_m = motion.table_m + L::all(0.5 * step.seconds) * about;
-            let at_position = |axis: usize| {
-                let load = parameters[axis].load.position.as_ref();
-                load.map_or(0.0, |load| load.force_n(middle_m.lane(axis)))
-            };
+            let at_position = |axis: usize| parameters[axis].load.varying_n(middle_m.lane(axis));
             load_n = load_n + L::of(at_position);
         }
         if let Some(bristles) = &self.bristles {

@@ -87,7 +87,20 @@ impl Load {
     #[must_use]
     #[inline]
     pub fn force_n(&self, position_m: f64) -> f64 {
-        self.constant.force_n + self.position.as_ref().map_or(0.0, |load| load.force_n(position_m))
+        self.constant.force_n + self.varying_n(position_m)
+    }
+
+    /// The part that depends on the position of the table (m), N.
+    #[must_use]
+    #[inline]
+    pub fn varying_n(&self, position_m: f64) -> f64 {
+        self.position.as_ref().map_or(0.0, |load| load.force_n(position_m))
+    }
+
+    /// Whether [`Self::varying_n`] is anywhere not zero.
+    #[must_use]
+    pub const fn varies(&self) -> bool {
+        self.position.is_some()
     }
 }
 
@@ -206,7 +219,7 @@ impl AxisParameters {
             motor_mass_kg: si(mechanics.motor_mass_kg),
             table_mass_kg: si(mechanics.table_mass_kg),
             motor_coulomb_n: si(mechanics.motor_coulomb_n),
-            spring: mechanics.stiffness_n_per_um.map(|stiffness| Spring {
+            spring: mechanics.spring_n_per_um().map(|stiffness| Spring {
                 stiffness_n_per_m: 1e6 * stiffness,
                 damping_n_s_per_m: si(mechanics.damping_n_s_per_m),
             }),

@@ -33,7 +33,7 @@ fn log(source: &str, radius_mm: f64, shift: f64) -> Log {
         }
     };
     let axes = vec![axis("x", f64::cos, 0.004, 1.0), axis("y", f64::sin, 0.0, 2.0)];
-    Log { source: source.to_owned(), start_s: 0.0, sample_time_s: 0.001, axes }
+    Log::new(source, 0.0, 0.001, axes)
 }
 
 fn traced() -> Identification {

@@ -131,13 +131,53 @@ impl FromStr for Kind {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let named = Self::ALL.into_iter().find(|kind| kind.name() == text);
-        named.ok_or_else(|| format!("expected one of {}", Self::ALL.map(Self::name).join(", ")))
+        named.ok_or_else(|| format!("expected one of {}, or all", Self::ALL.map(Self::name).join(", ")))
+    }
+}
+
+/// Kinds of a self-test, each once.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Kinds(Vec<Kind>);
+
+impl Kinds {
+    /// The kinds in the order in which they were given.
+    pub fn iter(&self) -> impl Iterator<Item = Kind> {
+        self.0.iter().copied()
+    }
+}
+
+/// Names separated by commas, or `all`.
+impl FromStr for Kinds {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        if text == "all" {
+            return Ok(Self(Kind::ALL.to_vec()));
+        }
+        let mut kinds: Vec<Kind> = Vec::new();
+        for name in text.split(',') {
+            let kind = name.trim().parse()?;
+            if kinds.contains(&kind) {
+                return Err(format!("expected each kind once, found {kind} twice"));
+            }
+            kinds.push(kind);
+        }
+        Ok(Self(kinds))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn kinds_are_a_list_of_names_or_all() {
+        let kinds = |text: &str| text.parse::<Kinds>().map(|kinds| kinds.iter().collect::<Vec<_>>());
+        assert_eq!(kinds("slip,shape"), Ok(vec![Kind::Slip, Kind::Shape]));
+        assert_eq!(kinds("all"), Ok(Kind::ALL.to_vec()));
+        assert_eq!(kinds("slip,slip"), Err("expected each kind once, found slip twice".to_owned()));
+        assert!(kinds("all,slip").is_err() && kinds("").is_err());
+    }
 
     #[test]
     fn every_kind_is_read_by_its_name_and_has_its_own_index() {

@@ -10,11 +10,12 @@ use crate::summary::{Summary, by_kind};
 use pages::markup::{Column, note, number_cell, table};
 
 /// Headings of the columns after that of the kind, with the widths of the text.
-const HEADINGS: [(&str, usize); 12] = [
+const HEADINGS: [(&str, usize); 13] = [
     ("cases", 6),
     ("exact", 7),
     ("missed", 8),
-    ("false", 7),
+    ("false, sure", 13),
+    ("ambiguous", 11),
     ("named", 10),
     ("described", 11),
     ("false faults", 14),
@@ -25,7 +26,8 @@ const HEADINGS: [(&str, usize); 12] = [
     ("tool", 8),
 ];
 
-const NOTE: &str = "Named: effects from outside the textbook catalogue, and faults of the data, that were given their \
+const NOTE: &str = "False, sure: names of effects that are not there, stated as certain; ambiguous: such names that the \
+                    trace does not state as certain. Named: effects from outside the textbook catalogue, and faults of the data, that were given their \
                     name; described: named, or reported as unexplained on their axis. False faults: reported faults \
                     of the data that are not there. Intervals: 95 % confidence intervals that contain the true \
                     value.";
@@ -36,10 +38,11 @@ pub fn is_needed(outcomes: &[Outcome]) -> bool {
     outcomes.iter().any(|outcome| outcome.kind != Kind::Textbook)
 }
 
-/// The rows: kind and figures.
-fn rows(outcomes: &[Outcome]) -> Vec<(Kind, [String; HEADINGS.len()])> {
-    let row = |(kind, outcomes): (Kind, Vec<Outcome>)| (kind, figures(&Summary::new(&outcomes)));
-    by_kind(outcomes).into_iter().map(row).collect()
+/// The rows: kind and figures; the last is that of all kinds.
+fn rows(outcomes: &[Outcome]) -> Vec<(&'static str, [String; HEADINGS.len()])> {
+    let row = |(kind, outcomes): (Kind, Vec<Outcome>)| (kind.name(), figures(&Summary::new(&outcomes)));
+    let all = ("all", figures(&Summary::new(outcomes)));
+    by_kind(outcomes).into_iter().map(row).chain([all]).collect()
 }
 
 fn figures(summary: &Summary) -> [String; HEADINGS.len()] {
@@ -56,7 +59,8 @@ fn figures(summary: &Summary) -> [String; HEADINGS.len()] {
         summary.exact.trials.to_string(),
         summary.exact.hits.to_string(),
         (summary.found.trials - summary.found.hits).to_string(),
-        summary.false_finds.to_string(),
+        summary.certain_false_finds.to_string(),
+        (summary.false_finds - summary.certain_false_finds).to_string(),
         of(summary.named.hits, summary.named.trials),
         of(summary.described.hits, summary.described.trials),
         summary.false_faults.to_string(),
@@ -72,7 +76,7 @@ fn figures(summary: &Summary) -> [String; HEADINGS.len()] {
 #[must_use]
 pub fn text(outcomes: &[Outcome]) -> String {
     let mut lines = vec![line("kind", &HEADINGS.map(|(heading, _)| heading.to_owned()))];
-    lines.extend(rows(outcomes).into_iter().map(|(kind, figures)| line(kind.name(), &figures)));
+    lines.extend(rows(outcomes).into_iter().map(|(kind, figures)| line(kind, &figures)));
     lines.join("\n")
 }
 
@@ -82,7 +86,7 @@ fn line(first: &str, figures: &[String; HEADINGS.len()]) -> String {
 }
 
 /// The first columns, those of names; the others are those of the channels.
-const NAME_COLUMNS: usize = 8;
+const NAME_COLUMNS: usize = 9;
 
 /// The table on the page, in two parts, because it would be wider than the page.
 pub fn markup(outcomes: &[Outcome]) -> Markup {
@@ -101,7 +105,7 @@ fn part(outcomes: &[Outcome], columns: Range<usize>) -> Markup {
     let body = html! {
         @for (kind, figures) in rows(outcomes) {
             tr {
-                th scope="row" { (kind.name()) }
+                th scope="row" { (kind) }
                 @for figure in &figures[columns.clone()] { (number_cell(figure)) }
             }
         }
@@ -126,12 +130,13 @@ mod tests {
         assert!(is_needed(&outcomes));
         let text = text(&outcomes);
         let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split_whitespace().collect()).collect();
-        // Kind, cases, exact, missed, false.
-        assert_eq!(lines[1][..5], ["textbook", "1", "1", "0", "0"]);
-        assert_eq!(lines[2][..5], ["many", "1", "0", "1", "0"]);
-        assert_eq!(lines.len(), 3);
-        // Two parts, each with headings and a row for each kind; 1 + 8 and 1 + 4 cells a row.
+        // Kind, cases, exact, missed, false and sure, false and ambiguous.
+        assert_eq!(lines[1][..6], ["textbook", "1", "1", "0", "0", "0"]);
+        assert_eq!(lines[2][..6], ["many", "1", "0", "1", "0", "0"]);
+        assert_eq!(lines[3][..6], ["all", "2", "1", "1", "0", "0"]);
+        assert_eq!(lines.len(), 4);
+        // Two parts, each with headings and a row for each kind and for all; 1 + 9 and 1 + 4 cells a row.
         let html = markup(&outcomes).into_string();
-        assert_eq!((html.matches("<tr>").count(), html.matches("<td").count()), (6, 2 * 12));
+        assert_eq!((html.matches("<tr>").count(), html.matches("<td").count()), (8, 3 * 13));
     }
 }

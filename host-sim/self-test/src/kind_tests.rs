@@ -119,12 +119,7 @@ fn ramp() -> Log {
         tool: Some(positions.clone()),
         ..AxisLog::new(name, Unit::Millimetre)
     };
-    Log {
-        source: "fit_steps".to_owned(),
-        start_s: 40.0,
-        sample_time_s: 1e-3,
-        axes: vec![axis("x"), axis("y")],
-    }
+    Log::new("fit_steps", 40.0, 1e-3, [axis("x"), axis("y")])
 }
 
 #[test]

@@ -59,8 +59,8 @@ pub fn run_jittered(
             machine.step(servos.each_ref().map(Servo::force_n));
         }
     }
-    let axes = AXES.iter().zip(columns).map(|(name, columns)| columns.into_log(name)).collect();
-    Log { source: String::new(), start_s, sample_time_s: SAMPLE_S, axes }
+    let axes = AXES.iter().zip(columns).map(|(name, columns)| columns.into_log(name));
+    Log::new("", start_s, SAMPLE_S, axes)
 }
 
 /// What the sensors of motor, table and tool read without noise, mm.

@@ -1,7 +1,7 @@
 //! Examples below the help of each verb.
 
 /// Verbs with lines that can be typed.
-pub const ALL: [(&str, &[&str]); 24] = [
+pub const ALL: [(&str, &[&str]); 26] = [
     (
         "trace",
         &[
@@ -62,6 +62,13 @@ pub const ALL: [(&str, &[&str]); 24] = [
             "lost-motion import samples.txt --preset halsampler --map x_command_mm=1 --map x_motor_mm=2 --rate 1000 --out log.parquet",
         ],
     ),
+    (
+        "resonances",
+        &[
+            "lost-motion resonances raw_data_x.csv",
+            "lost-motion resonances raw_data_x.csv --json resonances.json",
+        ],
+    ),
     ("app", &["lost-motion app --out lost-motion.html"]),
     (
         "compensate",
@@ -77,7 +84,14 @@ pub const ALL: [(&str, &[&str]); 24] = [
             "lost-motion verify --machine M.toml --before circle.csv --after again.csv --predicted C.toml --limit G=8 --check",
         ],
     ),
-    ("tune", &["lost-motion tune --machine better.toml --motion circle.toml --out tuned.toml"]),
+    (
+        "tune",
+        &[
+            "lost-motion tune --machine better.toml --motion circle.toml --out tuned.toml",
+            "lost-motion tune --machine M.toml --measured response_x.json --measured response_y.json --out tuned.toml",
+        ],
+    ),
+    ("gcode", &["lost-motion gcode --motion circle.toml --format linuxcnc --out circle.ngc"]),
     (
         "margins",
         &[
@@ -112,6 +126,8 @@ pub const ALL: [(&str, &[&str]); 24] = [
             "lost-motion board status --port emulated",
             "lost-motion board stop --port emulated      also while another program holds the port",
             "lost-motion board upload --port /dev/ttyACM0 --machine M.toml",
+            "lost-motion board response --port emulated --axis x --force-n 80 --out FRF.json",
+            "lost-motion board anticogging --port /dev/ttyACM0 --axis x --machine M.toml --out C.toml",
         ],
     ),
     (

@@ -10,7 +10,19 @@ use super::examples;
 const GROUPS: [(&str, &[&str]); 5] = [
     (
         "Look at a log",
-        &["trace", "circle", "positions", "volume", "budget", "history", "init", "import", "app"],
+        &[
+            "trace",
+            "circle",
+            "positions",
+            "volume",
+            "budget",
+            "history",
+            "resonances",
+            "init",
+            "import",
+            "gcode",
+            "app",
+        ],
     ),
     ("Make it better", &["compensate", "verify", "tune", "margins", "simulate", "improve"]),
     ("A servo board", &["record", "board"]),

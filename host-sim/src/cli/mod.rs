@@ -13,6 +13,7 @@ mod compensation;
 mod demo;
 mod examples;
 mod friction_map;
+mod gcode;
 mod help;
 mod history;
 mod import;
@@ -30,6 +31,7 @@ mod questions;
 mod reading;
 mod record;
 mod reproduce;
+mod resonances;
 mod self_test;
 mod sensors;
 mod shell;
@@ -93,8 +95,12 @@ enum Command {
     Import(import::Arguments),
     /// Estimate a machine file from logs: what they show of drive, gains, masses, friction and stiffness.
     Init(init::Arguments),
+    /// Write a motion as a program for LinuxCNC, Siemens or Fanuc.
+    Gcode(gcode::Arguments),
     /// Compute gain and phase margins of the velocity and position loops of a machine file.
     Margins(margins::Arguments),
+    /// Find resonances in accelerations at the tool, as Klipper records them.
+    Resonances(resonances::Arguments),
     /// Log, trace, compensate and run a simulated machine again, round after round, until nothing more is gained.
     Improve(improve::Arguments),
     /// Propose gains, control law, feedback and feed-forward from the plant of a machine file, with their margins.
@@ -133,7 +139,9 @@ pub fn run() -> ExitCode {
         Command::Budget(arguments) => budget::run(&arguments),
         Command::History(arguments) => history::run(&arguments),
         Command::App(arguments) => app::run(&arguments),
+        Command::Gcode(arguments) => gcode::run(&arguments),
         Command::Margins(arguments) => margins::run(&arguments),
+        Command::Resonances(arguments) => resonances::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Sensors(arguments) => sensors::run(&arguments),

@@ -74,7 +74,7 @@ mod tests {
         let mut axis = AxisLog::new("x", Unit::Millimetre);
         axis.motor = Some(vec![0.0; 3]);
         axis.force = has_force.then(|| vec![0.0; 3]);
-        let log = Log { source: "a.csv".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] };
+        let log = Log::new("a.csv", 0.0, 1e-3, [axis]);
         let machine = ::init::unknown("m", std::slice::from_ref(&log)).unwrap();
         let mut terminal = Vec::new();
         let known = ask(&machine, &[log], &mut answers.as_bytes(), &mut terminal).unwrap();

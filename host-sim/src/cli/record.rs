@@ -120,13 +120,7 @@ fn on_board(arguments: &Arguments) -> Result<()> {
     }
     let machine_path = arguments.machine.as_deref().unwrap_or(&arguments.motion);
     check_outputs(&[machine_path, &arguments.motion], &[Output::File("--out", Some(&arguments.out))])?;
-    let (machine, machine_file) = match &arguments.machine {
-        Some(path) => (Machine::read(path)?, path.display().to_string()),
-        None => (
-            Machine::parse(board::record::BENCH_MACHINE, board::record::BENCH_MACHINE_FILE)?,
-            board::record::BENCH_MACHINE_FILE.to_owned(),
-        ),
-    };
+    let (machine, machine_file) = board::record::machine_of(arguments.machine.as_deref())?;
     board::record::run(&board::record::Recording {
         port: &arguments.port,
         timeout_s: arguments.timeout_s,

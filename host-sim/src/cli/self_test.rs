@@ -13,7 +13,7 @@ use numerics::quantile;
 use self_test::case::Case;
 use self_test::detection::{Detection, SizedCase, detect};
 use self_test::detection_curve::Curve;
-use self_test::kind::Kind;
+use self_test::kind::{Kind, Kinds};
 use self_test::score::Outcome;
 use self_test::summary::Summary;
 use self_test::{detection_curve, detection_text, text_summary};
@@ -31,9 +31,9 @@ pub struct Arguments {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Kinds of cases, separated by commas: textbook, coarse, many, small, jerk, offspec, shape, friction, foreign, slip,
-    /// controller, sensors, sparse.
-    #[arg(long, value_delimiter = ',', default_value = "textbook")]
-    kind: Vec<Kind>,
+    /// controller, sensors, sparse; or all.
+    #[arg(long, default_value = "textbook")]
+    kind: Kinds,
     /// Of the kinds sensors and sparse, only the cases with this error or gap.
     #[arg(long)]
     only: Option<String>,
@@ -69,15 +69,8 @@ fn check(arguments: &Arguments) -> Result<()> {
         let expected = format!("a number of cases from 1 to {MAX_CASES}");
         return Err(InputError::expected("--cases", expected, arguments.cases).into());
     }
-    let mut seen: Vec<Kind> = Vec::new();
-    for &kind in &arguments.kind {
-        if seen.contains(&kind) {
-            return Err(InputError::expected("--kind", "each kind once", format!("{kind} twice")).into());
-        }
-        seen.push(kind);
-    }
     if let Some(only) = &arguments.only
-        && arguments.kind.iter().any(|&kind| numbers(arguments, kind).next().is_none())
+        && arguments.kind.iter().any(|kind| numbers(arguments, kind).next().is_none())
     {
         let expected =
             "--kind sensors or sparse and one of its errors or gaps (docs/self-test.md)".to_owned();
@@ -107,7 +100,7 @@ fn ended<T>(results: &Results<T>) -> Result<()> {
 /// Draws and traces the cases of each kind.
 fn run_kinds(arguments: &Arguments) -> Result<()> {
     let cases =
-        arguments.kind.iter().flat_map(|&kind| numbers(arguments, kind).map(move |number| (kind, number)));
+        arguments.kind.iter().flat_map(|kind| numbers(arguments, kind).map(move |number| (kind, number)));
     let jobs = cases.map(|(kind, number)| (kind.case_words(number), (kind, number))).collect();
     let own = arguments.clone();
     let work = move |&(kind, number): &(Kind, u64), show: Show<'_>| run_case(&own, (kind, number), show);

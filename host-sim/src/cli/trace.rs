@@ -120,10 +120,10 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let progress = Progress::start();
     progress.show("reading the logs");
     let (fit, validate) = (logs::read(&arguments.fit, &reading)?, logs::read(&arguments.validate, &reading)?);
-    let (machine, of_gains) = ::init::gains::of_unknown(&machine, &fit);
     // Before the trace, which leaves memory in pieces that a path cannot use.
     let contour_errors = LogError::all(fit.iter().chain(&validate));
     let show = |what: &str| progress.show(what);
+    let (machine, estimated) = ::init::estimate::unknown_values(&machine, &fit, &show);
     let task = if arguments.evaluate { Task::Evaluate } else { Task::Search };
     let request = Request { task, tables: arguments.empirical };
     let trace = trace::requested(&machine, [&fit, &validate], request, &show)?;
@@ -132,7 +132,7 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let judged = judge(arguments, &trace, &mut extra);
     drop(progress);
     let mut output = summary::of_trace(&trace, extra.budget.as_ref(), arguments.details);
-    for note in of_gains {
+    for note in estimated {
         output += &format!("\n\n{note}");
     }
     if !extra.contour_errors.is_empty() {

@@ -6,6 +6,7 @@ use anyhow::{Result, bail};
 
 use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
+use super::reading::ReadingArguments;
 use ::volume::analysis::Verdict;
 use ::volume::survey::Survey;
 use ::volume::{Analysis, analyse, beckhoff, grid, linuxcnc, sources, text};
@@ -64,6 +65,8 @@ pub struct Arguments {
     /// Write report.html into this folder.
     #[arg(long)]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    reading: ReadingArguments,
 }
 
 /// Runs the command.
@@ -86,9 +89,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Output::InNewFolder("--report", page.as_ref()),
     ];
     check_outputs(&inputs, &outputs)?;
+    let request = arguments.reading.request()?;
     let progress = Progress::start();
     progress.show("reading the measurements");
-    let groups = sources::read(&survey)?;
+    let groups = sources::read(&survey, &request)?;
     progress.show("fitting the errors");
     let analysis = analyse(survey.chain, groups)?;
     drop(progress);

@@ -53,10 +53,8 @@ impl Reason {
 /// An effect that left a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dropped {
-    /// The effect.
-    pub effect: Effect,
-    /// The reason.
-    pub reason: Reason,
+    effect: Effect,
+    reason: Reason,
 }
 
 impl Dropped {
@@ -65,5 +63,17 @@ impl Dropped {
     pub fn new(effect: &Effect, reason: Reason, axis: &str, progress: &Progress<'_>) -> Self {
         progress(&format!("{axis}: {} {}", effect.name(), reason.words()));
         Self { effect: effect.clone(), reason }
+    }
+
+    /// The effect.
+    #[must_use]
+    pub const fn effect(&self) -> &Effect {
+        &self.effect
+    }
+
+    /// The reason.
+    #[must_use]
+    pub const fn reason(&self) -> Reason {
+        self.reason
     }
 }

@@ -146,7 +146,7 @@ mod tests {
             20.0 * velocity.signum() + 100.0 * velocity - 100.0 * amplitude_m * omega * omega * phase(i).sin()
         };
         axis.force = Some((0..3000).map(force).collect());
-        Log { source: "log.csv".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] }
+        Log::new("log.csv", 0.0, 1e-3, [axis])
     }
 
     #[test]

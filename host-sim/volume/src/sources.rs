@@ -12,15 +12,15 @@ use import::request::Request;
 use super::measurement::Group;
 use super::survey::{Measurement, Survey, What};
 
-/// The measurements of a survey as equations.
+/// The measurements of a survey as equations. `request` says how logs of other programs are read.
 ///
 /// # Errors
 /// The first file that is not what the survey says.
-pub fn read(survey: &Survey) -> Result<Vec<Group>, InputError> {
-    survey.measurements.iter().map(group).collect()
+pub fn read(survey: &Survey, request: &Request) -> Result<Vec<Group>, InputError> {
+    survey.measurements.iter().map(|measurement| group(measurement, request)).collect()
 }
 
-fn group(measurement: &Measurement) -> Result<Group, InputError> {
+fn group(measurement: &Measurement, request: &Request) -> Result<Group, InputError> {
     match measurement.what {
         What::Positioning(axis) => {
             let path = &measurement.files[0];
@@ -30,7 +30,7 @@ fn group(measurement: &Measurement) -> Result<Group, InputError> {
             Group::of_test(&test, axis, measurement)
         }
         What::Circle { plane, radius_mm } => {
-            let (measured, notes) = circle_of(measurement, radius_mm)?;
+            let (measured, notes) = circle_of(measurement, radius_mm, request)?;
             let mut group = Group::of_circle(&measured, plane, measurement)?;
             group.notes.splice(0..0, notes);
             Ok(group)
@@ -42,11 +42,12 @@ fn group(measurement: &Measurement) -> Result<Group, InputError> {
 fn circle_of(
     measurement: &Measurement,
     radius_mm: Option<f64>,
+    request: &Request,
 ) -> Result<(Measured, Vec<String>), InputError> {
     let sources: Vec<String> = measurement.files.iter().map(|path| path.display().to_string()).collect();
     let (mut tables, mut logs, mut all_notes) = (Vec::new(), Vec::new(), Vec::new());
     for (path, source) in measurement.files.iter().zip(&sources) {
-        match any_log::content(Head::open(path, source)?, source, &Request::default())? {
+        match any_log::content(Head::open(path, source)?, source, request)? {
             Content::Log(imported) => {
                 all_notes.extend(imported.notes);
                 logs.push(imported.log);

@@ -66,7 +66,7 @@ pub fn look(file: &DroppedFile<'_>) -> Value {
 
 /// An error without what a command line would need.
 fn without_advice(error: &str) -> String {
-    error.replace(&format!(" ({})", any_log::ADVICE), "")
+    error.replace(&format!(" ({})", any_log::ADVICE), "").replace(&format!(" {})", any_log::ADVICE), ")")
 }
 
 /// The problem of a file whose columns are chosen below it: the page has no flags.

@@ -19,7 +19,7 @@ pub fn of_logs(request: &Trace, files: &[DroppedFile<'_>], progress: &Progress<'
     progress("reading the logs");
     let [fit, held_out] = log_file::logs(files)?;
     let machine = Machine::parse(&request.machine, "machine file").map_err(|error| error.to_string())?;
-    let (machine, mut notes) = init::gains::of_unknown(&machine, &fit);
+    let (machine, mut notes) = init::estimate::unknown_values(&machine, &fit, progress);
     let contour_errors = LogError::all(fit.iter().chain(&held_out));
     let trace = trace::requested(&machine, [&fit, &held_out], trace::Request::default(), progress)
         .map_err(|error| error.to_string())?;

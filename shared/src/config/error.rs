@@ -41,6 +41,33 @@ pub enum ConfigError {
         /// Number of axes of the machine.
         axes: u8,
     },
+    /// Above its ceiling in the envelope of the board.
+    AboveCeiling {
+        /// Setting.
+        name: &'static str,
+        /// Its value, in the unit of the setting.
+        value: f64,
+        /// Greatest value.
+        ceiling: f64,
+    },
+    /// Below its floor in the envelope of the board.
+    BelowFloor {
+        /// Setting.
+        name: &'static str,
+        /// Its value, in the unit of the setting.
+        value: f64,
+        /// Least value.
+        floor: f64,
+    },
+    /// A limit that is missing, and that the envelope of the board requires.
+    NotMonitored {
+        /// Setting.
+        name: &'static str,
+        /// Greatest value, in the unit of the setting.
+        ceiling: f64,
+    },
+    /// Uses a linear scale, and the axis has none.
+    NoScale(&'static str),
 }
 
 impl ConfigError {
@@ -55,7 +82,11 @@ impl ConfigError {
             | Self::Requires { name, .. }
             | Self::OutOfRange { name, .. }
             | Self::Count { name, .. }
-            | Self::NotAnotherAxis { name, .. } => name,
+            | Self::NotAnotherAxis { name, .. }
+            | Self::AboveCeiling { name, .. }
+            | Self::BelowFloor { name, .. }
+            | Self::NotMonitored { name, .. }
+            | Self::NoScale(name) => name,
         }
     }
 
@@ -77,6 +108,12 @@ impl ConfigError {
             Self::NotAnotherAxis { axes, .. } => {
                 write!(f, "the number of another axis, of {axes} counted from 0")
             }
+            Self::AboveCeiling { ceiling, .. } => write!(f, "at most {ceiling}, the ceiling of this board"),
+            Self::BelowFloor { floor, .. } => write!(f, "at least {floor}, the floor of this board"),
+            Self::NotMonitored { ceiling, .. } => {
+                write!(f, "a limit of at most {ceiling}, which this board requires")
+            }
+            Self::NoScale(_) => f.write_str("settings without a linear scale: the axis has none"),
         })
     }
 }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`settings`] | what a person or a file declares for an axis, in SI |
 //! | [`axis`] | the same in machine units: what a tick computes with |
+//! | [`envelope`] | the ceilings of the settings of an axis on a board |
 //! | [`error`] | why a setting was rejected, with its name and range |
 //!
 //! Every setting is checked here and nowhere else; after that, a tick cannot fail.
@@ -22,9 +23,11 @@
 
 pub mod axis;
 pub(crate) mod check;
+pub mod envelope;
 pub mod error;
 pub mod settings;
 
 pub use axis::{AxisConfig, UNLIMITED};
+pub use envelope::AxisEnvelope;
 pub use error::ConfigError;
 pub use settings::{AxisSettings, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};

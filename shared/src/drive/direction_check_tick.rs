@@ -27,7 +27,7 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
         if self.machine().power() != Power::Off || is_homing || self.is_checking() {
             return Err(DirectionCheckError::NotReady);
         }
-        if !self.outputs.get(axis).is_some_and(DriveOutput::follows_force) {
+        if !self.follows_force(axis) {
             return Err(DirectionCheckError::StepDrive);
         }
         let limit_n = self.machine().force_limit_n(axis).unwrap_or(0.0);

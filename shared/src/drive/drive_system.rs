@@ -138,6 +138,12 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
         &self.readings
     }
 
+    /// Whether the drive of an axis produces the force of the controller; false for a step drive, and if there is no such axis.
+    #[must_use]
+    pub fn follows_force(&self, axis: usize) -> bool {
+        self.outputs.get(axis).is_some_and(DriveOutput::follows_force)
+    }
+
     /// The machine, for operations that are not part of a tick: blocks, settings.
     pub const fn machine_mut(&mut self) -> &mut Machine<S, N> {
         self.machine

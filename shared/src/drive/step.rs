@@ -161,9 +161,9 @@ mod tests {
             }
         }
 
-        /// To and fro by less than half a step: at most the first step.
+        /// Back and forth by less than half a step: at most the first step.
         #[test]
-        fn a_small_motion_to_and_fro_causes_no_steps(centre in -1000i64..1000, swing in 0i64..(STEP / 2 - 1)) {
+        fn a_small_oscillation_causes_no_steps(centre in -1000i64..1000, swing in 0i64..(STEP / 2 - 1)) {
             let mut output = StepOutput::new(1e-6, 1).unwrap();
             let _ = run(&mut output, (0..5000).map(|_| centre * STEP / 100));
             let _ = run(&mut output, [centre * STEP / 100 + swing, centre * STEP / 100].into_iter());

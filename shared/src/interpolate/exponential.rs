@@ -52,8 +52,9 @@ impl Exponential {
         progress.target = (progress.target + of(self.feed)).min(self.length);
         let lag = progress.target - progress.distance;
         let lands = progress.target == self.length && lag <= of(self.last_step);
-        progress.step = if lands { lag } else { of(wide_mul_q32(lag, self.alpha)) };
-        progress.distance += progress.step;
+        let whole_step = wide_mul_q32(lag, self.alpha);
+        progress.distance += if lands { lag } else { of(whole_step) };
+        progress.step = if lands { lag } else { whole_step };
         (whole(progress.distance), lag == 0)
     }
 }
@@ -64,6 +65,7 @@ pub struct Progress {
     started: bool,
     target: i128,
     distance: i128,
+    /// Step of a whole tick.
     step: i128,
 }
 

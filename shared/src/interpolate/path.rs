@@ -1,17 +1,21 @@
 //! The path: the queue of planned blocks, look-ahead over their joints, and the position that has been reached.
 
+mod brake;
 mod feed;
 mod queue_copy;
+mod stop;
 
 use heapless::Deque;
+
+use brake::Brake;
 
 use super::block::Block;
 use super::error::PathError;
 use super::feed_hold::FeedHold;
-use super::fraction::{FRACTION, whole};
 use super::joint::JointLimits;
 use super::planned::{PlannedBlock, Progress};
 use super::profile::Step;
+use super::ramp::TICK;
 use super::smooth::state::State as FilterState;
 use super::smooth::{Filters, Smoothing};
 use crate::units::Position;
@@ -43,17 +47,6 @@ pub struct Path<const N: usize> {
     filters: Filters<N>,
     filter_state: FilterState<N>,
     blocks: Deque<PlannedBlock<N>, QUEUE>,
-}
-
-/// A stop along the path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Brake {
-    /// Position units per tick² with 16 fraction bits.
-    deceleration: u64,
-    /// Position units per tick with 16 fraction bits.
-    speed: u64,
-    /// From the start of the first block, position units with 64 fraction bits.
-    distance: i128,
 }
 
 impl<const N: usize> Path<N> {
@@ -93,6 +86,7 @@ impl<const N: usize> Path<N> {
 
     /// Resets to an empty path at `start`, in place: a path is large.
     pub fn reset(&mut self, start: &[Position; N], rate_hz: f64, filters: Filters<N>) {
+        self.feed_hold = FeedHold::RUNNING;
         self.rest_at(start);
         (self.rate_hz, self.filters, self.travel) = (rate_hz, filters, Self::AT_ZERO.travel);
         self.blocked = [[false; 2]; N];
@@ -245,45 +239,19 @@ impl<const N: usize> Path<N> {
         *self.filter_state.outputs()
     }
 
-    /// Discards every block and rests at a position.
+    /// Discards every block and rests at a position. The override remains.
     pub fn rest_at(&mut self, position: &[Position; N]) {
         self.clear_queue();
         self.braking = None;
-        self.feed_hold = FeedHold::RUNNING;
+        self.feed_hold.rest();
         (self.position, self.planned_end) = (*position, *position);
         self.filter_state.rest_at(position);
-    }
-
-    /// Starts a stop along the path with a deceleration (per tick² with 16 fraction bits), or that of the block if it is
-    /// greater, so that the path never ends later than planned. Joints that are passed during the stop add at most the same
-    /// acceleration again.
-    pub fn brake(&mut self, deceleration: u64) {
-        if self.braking.is_some() {
-            return;
-        }
-        let moving = self.started.then_some((self.progress.distance(), self.progress.speed()));
-        let (distance, speed) = moving.unwrap_or_default();
-        let speed = self.feed_hold.scaled(speed);
-        self.revision = self.revision.wrapping_add(1);
-        self.braking = Some(Brake { deceleration, speed, distance: i128::from(distance) << FRACTION });
     }
 
     fn clear_queue(&mut self) {
         self.blocks.clear();
         self.started = false;
         self.revision = self.revision.wrapping_add(1);
-    }
-
-    /// Whether a stop was started, and the path has not been discarded since.
-    #[must_use]
-    pub const fn is_braking(&self) -> bool {
-        self.braking.is_some()
-    }
-
-    /// Whether a stop was started and the command is at rest.
-    #[must_use]
-    pub fn has_stopped(&self) -> bool {
-        self.braking.is_some_and(|brake| brake.speed == 0) && self.is_settled()
     }
 
     /// The command of the next tick.
@@ -312,13 +280,34 @@ impl<const N: usize> Path<N> {
 
     /// Advances the position on the path by a tick. Whether it may have changed.
     fn follow(&mut self) -> bool {
-        let time = self.feed_hold.advance();
+        if self.feed_hold.is_as_planned() { self.follow_by(TICK) } else { self.follow_at_rate() }
+    }
+
+    /// Advances by the time of a tick at the present rate. Curves are advanced by up to a tick at a time: an override above 100 % does so
+    /// twice.
+    #[cold]
+    #[inline(never)]
+    fn follow_at_rate(&mut self) -> bool {
+        let mut time = self.feed_hold.advance();
         if time == 0 {
             if self.feed_hold.is_to_be_discarded() {
                 self.discard_rest();
             }
             return false;
         }
+        let mut moves = false;
+        while time > 0 {
+            let part = time.min(TICK);
+            moves |= self.follow_by(part);
+            time -= part;
+        }
+        moves
+    }
+
+    /// Advances by a time up to a tick, 32 fraction bits.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a call in every tick")]
+    fn follow_by(&mut self, time: u64) -> bool {
         let Some(block) = self.blocks.front() else { return false };
         if !self.started {
             if block.entry == 0 && !self.is_settled() {
@@ -361,39 +350,5 @@ impl<const N: usize> Path<N> {
             }
             self.started = false;
         }
-    }
-
-    /// Advances the position on the path by a tick of a stop. Whether it has changed.
-    // Not inlined, as other cases that are rare: the usual one then has more registers.
-    #[cold]
-    #[inline(never)]
-    fn follow_braking(&mut self, brake: Brake) -> bool {
-        let before = self.position;
-        self.braking = Some(self.braked(brake));
-        self.position != before
-    }
-
-    /// A stop after another tick.
-    fn braked(&mut self, mut brake: Brake) -> Brake {
-        let Some(block) = self.blocks.front() else { return Brake { speed: 0, ..brake } };
-        brake.speed = brake.speed.saturating_sub(brake.deceleration.max(block.acceleration()));
-        brake.distance += i128::from(brake.speed) << (FRACTION - 16);
-        // Every block of the queue may end within a tick.
-        for _ in 0..QUEUE {
-            let Some(block) = self.blocks.front() else { break };
-            let beyond = brake.distance - (i128::from(block.length()) << FRACTION);
-            if beyond < 0 {
-                let _ = block.set_to(&mut self.position, whole(brake.distance));
-                return brake;
-            }
-            self.position = block.end();
-            self.revision = self.revision.wrapping_add(1);
-            if block.exit == 0 {
-                break;
-            }
-            brake.distance = beyond;
-            let _ = self.blocks.pop_front();
-        }
-        Brake { speed: 0, ..brake }
     }
 }

@@ -75,6 +75,20 @@ fn tabulated(k: usize) -> (i64, i64) {
     }
 }
 
+/// Number of the angles of [`sine_q14`] in a turn.
+#[expect(clippy::cast_possible_truncation, reason = "8192")]
+pub const SINE_STEPS: u16 = 4 * STEPS as u16;
+
+/// Sine of the angle step/[`SINE_STEPS`] of a turn, modulo whole turns, with 14 fraction bits: rounded to 2⁻¹⁵.
+#[must_use]
+pub fn sine_q14(step: u16) -> i32 {
+    /// Bits below the 14 that remain.
+    const DROPPED: u32 = 62 - 14;
+    let (sine, _) = tabulated(usize::from(step));
+    // Within ± 2¹⁴.
+    ((sine + (1 << (DROPPED - 1))) >> DROPPED) as i32
+}
+
 /// Sine and cosine of `phase`/2⁶⁴ of a turn, in units of 1/[`ONE`], each within [`ERROR`].
 #[must_use]
 #[inline(never)]

@@ -1,10 +1,13 @@
 //! Drives under the control of a host: what runs in every tick.
 
+mod excitation;
+mod feed_override;
 mod halts;
 mod rest;
 mod settings;
 mod status;
 
+use super::feed_override::FeedOverride;
 use super::halt::Halt;
 use super::history::FaultHistory;
 use super::refusal::Refusal;
@@ -14,6 +17,7 @@ use super::watch::{HostWatch, Silence};
 use crate::capture::{CaptureMemory, ChannelSteps, Quantisers};
 use crate::drive::direction_check::DirectionCheckSettings;
 use crate::drive::{AnyOutput, Board, DriveSignal, DriveSystem};
+use crate::excitation::Excitation;
 use crate::feedback::Reading;
 use crate::homing::{HomingError, HomingSettings, HomingStatus};
 use crate::interpolate::feed_hold::FeedState;
@@ -38,6 +42,9 @@ pub struct HostedDrive<'m, S: Scalar, const N: usize> {
     stream: StreamQueue<N>,
     quantisers: Quantisers<N>,
     history: FaultHistory,
+    feed_override: FeedOverride,
+    /// The force by which a frequency response is measured.
+    excitation: Option<Excitation<S>>,
     /// What somebody without the session has asked for, as long as the host of the session has not been told.
     halted_by_other: Option<Halt>,
     tick: u64,
@@ -68,6 +75,8 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
             stream: StreamQueue::OFF,
             quantisers: Quantisers::new(steps),
             history: FaultHistory::EMPTY,
+            feed_override: FeedOverride::NONE,
+            excitation: None,
             halted_by_other: None,
             tick: 0,
             readings: [Reading { motor: Position(0), table: None }; N],
@@ -78,6 +87,7 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
     /// One tick. It cannot fail.
     pub fn tick(&mut self, board: &mut impl Board<N, DriveSignal>) {
         self.supervise();
+        self.excite();
         let tick = self.system.tick(board);
         let machine = self.system.machine();
         let power = machine.power();
@@ -98,11 +108,17 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
         self.readings = tick.readings;
         self.forces = if power.is_on() { tick.output.forces } else { [S::ZERO; N] };
         let homing = matches!(self.system.homing_status(), Some((_, HomingStatus::Running)));
-        if !power.is_on() || machine.is_at_rest() && self.blocks_left == 0 && !homing {
+        if self.excitation.is_some() {
+            // A fault ends it, also one that stops a path and lets the drives on.
+            if power != Power::On {
+                self.end_excitation();
+            }
+        } else if !power.is_on() || machine.is_at_rest() && self.blocks_left == 0 && !homing {
             (self.activity, self.jog_remaining) = (Activity::Idle, None);
         }
         if !power.is_on() {
             self.blocks_left = 0;
+            self.end_override();
         }
         self.tick += 1;
     }
@@ -117,6 +133,7 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
                 self.machine_mut().hold();
                 self.history.held(self.tick);
             }
+            Some(Silence::Hold) => self.end_excitation(),
             // Nothing is interrupted that somebody would have to acknowledge.
             Some(Silence::Off) if self.can_start().is_ok() => {
                 self.machine_mut().disable();
@@ -142,11 +159,13 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
         self.watch.heard();
     }
 
-    /// A session was opened; a request has to follow ([`HostWatch::greeted`]). A direction check of the previous one ends, and what
-    /// its host was to be told is not told to another one.
+    /// A session was opened; a request has to follow ([`HostWatch::greeted`]). A direction check, an excitation and the
+    /// override of the previous one end, and what its host was to be told is not told to another one.
     pub fn greeted(&mut self) {
         self.watch.greeted();
         self.halted_by_other = None;
+        self.end_override();
+        self.end_excitation();
         self.system.expire_direction_check();
     }
 
@@ -220,14 +239,17 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
         if is_idle && machine.feed_state() == FeedState::Running { Ok(()) } else { Err(Refusal::Moving) }
     }
 
-    /// Starts a motion of a number of blocks, which the server passes to the path.
-    pub const fn start_motion(&mut self, blocks: u16) {
+    /// Starts a motion of a number of blocks, which the server passes to the path, and which permits an override up to a value.
+    pub fn start_motion(&mut self, blocks: u16, most_percent: u8) {
         (self.activity, self.blocks_left) = (Activity::Motion, blocks);
+        self.permit_override(most_percent);
     }
 
-    /// The activity that a block, which has just been appended, belongs to. A jog at a speed needs renewals.
-    pub fn start_jog(&mut self, at_speed: bool) {
+    /// The activity that a block, which has just been appended, belongs to. A jog at a speed needs renewals; it permits an override up
+    /// to a value.
+    pub fn start_jog(&mut self, at_speed: bool, most_percent: u8) {
         self.activity = Activity::Jog;
+        self.permit_override(most_percent);
         self.jog_remaining = at_speed.then_some(self.jog_ticks);
     }
 
@@ -279,6 +301,8 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
         self.can_start()?;
         self.system.home(axis, settings).map_err(|error: HomingError| Refusal::Homing(error.into()))?;
         self.activity = Activity::Homing;
+        // Its speeds are those at which it finds its mark.
+        self.permit_override(100);
         Ok(())
     }
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+pub use super::board_settings::BoardSettings;
 use super::halt::Halt;
 pub use super::history::HISTORY;
 use super::history::HistoryEntry;
@@ -11,8 +12,8 @@ use super::report::{CaptureReport, Status, Welcome};
 use super::stream::StreamPacket;
 use crate::capture::Trigger;
 use crate::compensate::CompensationKind;
-use crate::config::{AxisSettings, Rates};
 use crate::drive::direction_check::DirectionCheckSettings;
+use crate::excitation::ExcitationSettings;
 use crate::interpolate::Block;
 
 /// Length of the longest upload in bytes: a compensation with every table at its capacity has 7.6 kB.
@@ -26,15 +27,6 @@ pub const READ: usize = 384;
 
 /// Greatest number of blocks of a motion.
 pub const MOTION_BLOCKS: usize = 64;
-
-/// The settings of the controller on a board.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BoardSettings {
-    /// Rates of the loops; the tick rate has to be that of the board.
-    pub rates: Rates,
-    /// Axes.
-    pub axes: [AxisSettings; AXES],
-}
 
 /// What an upload is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -171,6 +163,16 @@ pub enum Request {
     BeginSave,
     /// What the board is, without a session.
     Identify,
+    /// Sets the feed override of what runs, also without a session: the path runs at this share of its planned speed, as far as its
+    /// axes permit it ([`FeedOverride`](super::feed_override::FeedOverride)). It is no sign of life of the host then.
+    Override {
+        /// 0 to 200 %.
+        percent: u8,
+    },
+    /// Adds a force of a few tones to that of the velocity controller of an axis, with the drives on and the axes at rest, to measure a
+    /// frequency response. It lasts until a hold, a stop, the drives off, another session, or a silence of the host by which a path would be
+    /// held.
+    Excite(ExcitationSettings),
 }
 
 impl Request {

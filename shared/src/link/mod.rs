@@ -7,6 +7,8 @@
 //! | [`packet`] | a message in bytes: version, session, sequence number, CRC-32, COBS |
 //! | [`receiver`] | bytes to packets; whatever cannot be one is counted by its kind |
 //! | [`message`], [`refusal`], [`report`] | requests and replies |
+//! | [`board_settings`], [`envelope`] | settings, and what they may not exceed |
+//! | [`feed_override`] | the override of a motion that runs |
 //! | [`session`] | which request is new, repeated, old or of another session |
 //! | [`hosted_drive`] | the part that runs in the tick: drives, silence of the host, jog, recording, history of faults |
 //! | [`server`] | the part that runs between ticks: executes requests |
@@ -23,8 +25,13 @@
 //! - A hold, a stop and a disable need no session ([`halt::Halt`]). They are taken from any port, before anything that waits; the
 //!   next request of the session is refused, so that its host starts nothing else. They are no sign of life of the host.
 //! - A board with two ports has one host: the other port opens a session only while the host is silent.
+//! - A force for a frequency response ([`Request::Excite`]) acts at rest, within the envelope and the force limit of the axis,
+//!   and ends with whatever ends a motion.
 //! - A motion is checked whole before it starts. A request that is refused changes nothing.
 
+pub mod board_settings;
+pub mod envelope;
+pub mod feed_override;
 pub mod halt;
 pub mod history;
 pub mod hosted_drive;
@@ -41,6 +48,7 @@ pub mod stream;
 pub mod two_ports;
 pub mod watch;
 
+pub use envelope::{AdmittedSettings, Envelope};
 pub use hosted_drive::HostedDrive;
 pub use message::{FromBoard, Reply, Request};
 pub use packet::{Frame, Header, PacketError};

@@ -6,6 +6,7 @@ use super::halt::Halt;
 use super::report::HomingFailure;
 use crate::config::ConfigError;
 use crate::drive::direction_check::DirectionCheckError;
+use crate::excitation::ExcitationProblem;
 use crate::interpolate::PathError;
 use crate::machine::MachineError;
 use crate::safety::Fault;
@@ -106,6 +107,15 @@ pub enum Refusal {
     OtherPort,
     /// Somebody without the session has asked for a halt since the last request of the session, which is told so once.
     HaltedByOther(Halt),
+    /// The override is greater than a board permits.
+    Override {
+        /// Greatest override, %.
+        max: u8,
+    },
+    /// No path runs and none is held: there is nothing to override.
+    NothingMoves,
+    /// The force for a frequency response is not one.
+    Excitation(ExcitationProblem),
 }
 
 /// Why the direction of an axis cannot be checked.
@@ -173,6 +183,27 @@ pub enum SettingProblem {
     },
     /// The number of an axis that is not another axis.
     NotAnotherAxis,
+    /// Above its ceiling in the [envelope](super::envelope) of the board.
+    AboveCeiling {
+        /// Its value.
+        value: f64,
+        /// Greatest value.
+        ceiling: f64,
+    },
+    /// Below its floor in the envelope.
+    BelowFloor {
+        /// Its value.
+        value: f64,
+        /// Least value.
+        floor: f64,
+    },
+    /// A limit that is missing, and that the envelope requires.
+    NotMonitored {
+        /// Greatest value.
+        ceiling: f64,
+    },
+    /// Uses a linear scale, and the axis has none.
+    NoScale,
 }
 
 /// A name, cut to its capacity.
@@ -211,6 +242,16 @@ impl From<MachineError> for Refusal {
             }
             ConfigError::Count { name: setting, max } => (setting, SettingProblem::Count { max }),
             ConfigError::NotAnotherAxis { name: setting, .. } => (setting, SettingProblem::NotAnotherAxis),
+            ConfigError::AboveCeiling { name: setting, value, ceiling } => {
+                (setting, SettingProblem::AboveCeiling { value, ceiling })
+            }
+            ConfigError::BelowFloor { name: setting, value, floor } => {
+                (setting, SettingProblem::BelowFloor { value, floor })
+            }
+            ConfigError::NotMonitored { name: setting, ceiling } => {
+                (setting, SettingProblem::NotMonitored { ceiling })
+            }
+            ConfigError::NoScale(setting) => (setting, SettingProblem::NoScale),
         };
         Self::Setting { axis, name: name(setting), problem }
     }

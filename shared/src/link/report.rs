@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::envelope::Envelope;
+use super::feed_override::FeedOverride;
 use super::packet::AXES;
 use super::receiver::LinkCounts;
 use crate::capture::{CaptureState, ChannelSteps};
@@ -48,6 +50,8 @@ pub struct Identity {
     pub times: Times,
     /// How each axis is homed; `None`: it has no reference.
     pub homing: [Option<HomingSettings>; AXES],
+    /// What no settings may exceed.
+    pub envelope: &'static Envelope,
 }
 
 /// The reply to a hello, and to the question what the board is.
@@ -85,6 +89,8 @@ pub enum Activity {
     Jog,
     /// An axis moves to its reference.
     Homing,
+    /// A frequency response is measured at rest.
+    Response,
 }
 
 /// An axis.
@@ -240,6 +246,10 @@ pub struct Status {
     pub activity: Activity,
     /// What the feed hold does.
     pub feed: FeedState,
+    /// The feed override.
+    pub feed_override: FeedOverride,
+    /// The present rate of the path, % of the planned one.
+    pub rate_percent: u8,
     /// Whether the command is at rest and no block is left.
     pub at_rest: bool,
     /// Blocks of the motion that have not been passed to the path yet.

@@ -82,6 +82,8 @@ pub enum Order {
     Resume,
     /// Decelerate along the path and discard the rest of it, drives on.
     Stop,
+    /// Set the feed override, %.
+    Override(u8),
 }
 
 /// A message from chip to host, one per order.

@@ -155,6 +155,10 @@ fn execute<S: Scalar>(machine: &mut Machine<S, AXES>, order: &Order, meter: &mut
             machine.discard_path();
             Answer::Ready
         }
+        Order::Override(percent) => {
+            machine.set_override(*percent);
+            Answer::Ready
+        }
         Order::Tick(readings) => {
             meter.start();
             let output = tick(machine, readings);

@@ -386,6 +386,26 @@ mod tests {
         assert!(output.enabled && output.forces[0].value().abs() < 1e-3);
     }
 
+    /// At the command the controller has no force of its own.
+    #[test]
+    fn an_excitation_is_added_up_to_the_force_limit_until_it_is_configured_again() {
+        let mut machine = machine();
+        let limit_n = machine.force_limit_n(0).unwrap();
+        machine.enable();
+        assert_eq!(machine.tick(&at(0.0)).forces, [Fixed::ZERO]);
+        for (force_n, expected_n) in [(12.5, 12.5), (-40.0, -40.0), (1.5 * limit_n, limit_n), (0.0, 0.0)] {
+            machine.set_excitation(0, Fixed::signal(force_n));
+            // There is no axis 1.
+            machine.set_excitation(1, Fixed::signal(77.0));
+            assert_eq!(machine.tick(&at(0.0)).forces, [Fixed::signal(expected_n)]);
+        }
+        machine.set_excitation(0, Fixed::signal(3.0));
+        let config = machine.config.clone().unwrap();
+        machine.configure(config, &[Position(0)]);
+        machine.enable();
+        assert_eq!(machine.tick(&at(0.0)).forces, [Fixed::ZERO]);
+    }
+
     #[test]
     fn a_rejected_block_changes_nothing() {
         let mut machine = machine();

@@ -27,6 +27,8 @@ pub(super) struct State<S: Scalar, const N: usize> {
     pub enable_requested: bool,
     /// Whether the drives were on in the previous tick.
     pub was_on: bool,
+    /// Forces that are added behind the velocity controllers.
+    pub excitation: [S; N],
     pub axes: [AxisState<S>; N],
     pub compensation: Compensation<S, N>,
     pub path: Path<N>,
@@ -43,6 +45,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
         warning: None,
         enable_requested: false,
         was_on: false,
+        excitation: [S::ZERO; N],
     };
 
     /// Resets to the state of a machine at rest at `start`, drives off.
@@ -55,6 +58,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
         self.power = Power::Off;
         self.warning = None;
         (self.enable_requested, self.was_on) = (false, false);
+        self.excitation = [S::ZERO; N];
     }
 
     /// Reacts to a fault.
@@ -240,11 +244,18 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     /// The velocity loops, with the forces of the compensations.
     fn velocity_tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) -> [S; N] {
         let (mut forces, mut faults) = ([S::ZERO; N], [FaultSet::NONE; N]);
-        for (i, ((((force, faults), axis), config), reading)) in
-            forces.iter_mut().zip(&mut faults).zip(&mut state.axes).zip(&self.axes).zip(readings).enumerate()
+        let State { axes, compensation, excitation, .. } = state;
+        for (i, (((((force, faults), axis), config), reading), excitation)) in forces
+            .iter_mut()
+            .zip(&mut faults)
+            .zip(axes)
+            .zip(&self.axes)
+            .zip(readings)
+            .zip(excitation)
+            .enumerate()
         {
-            let compensation = state.compensation.force(i, reading);
-            (*force, *faults) = axis.velocity_tick(config, *reading, compensation);
+            let added = compensation.force(i, reading) + *excitation;
+            (*force, *faults) = axis.velocity_tick(config, *reading, added);
         }
         state.raise(self, faults);
         forces

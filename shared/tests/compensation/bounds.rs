@@ -70,7 +70,7 @@ fn stays_within_rate_and_bound<S: Scalar>(
     [first, second, replacement]: [&CompensationSettings; 3],
     moves: &[([f64; 2], u8)],
 ) {
-    let mut plant = Bench::<S>::new([first, second]);
+    let mut plant = TwoAxes::<S>::new([first, second]);
     let fastest = |rate: fn(&CompensationSettings) -> f64| {
         [first, second, replacement].map(rate).into_iter().fold(0.0, f64::max)
     };
@@ -133,7 +133,7 @@ fn a_removed_compensation_fades_out() {
         ..CompensationSettings::default()
     };
     let none = CompensationSettings::default();
-    let mut plant = Bench::<f64>::new([&dividing, &none]);
+    let mut plant = TwoAxes::<f64>::new([&dividing, &none]);
     plant.settle([0.0; 2], [0.001, 0.0]);
     // A reversal of the command starts the force pulse.
     for k in 0..4 {

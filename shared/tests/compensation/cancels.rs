@@ -10,7 +10,7 @@ fn load() -> ForceModel {
     ForceModel { load: Some(points(-0.3, 0.01, |x| 50.0 + 100.0 * x)), ..ForceModel::default() }
 }
 
-/// Each compensation alone on the first axis, with its channel in [`Bench::added`] and the correction expected there at
+/// Each compensation alone on the first axis, with its channel in [`TwoAxes::added`] and the correction expected there at
 /// (x, y) after a motion in + direction.
 fn items() -> Vec<(CompensationKind, CompensationSettings, usize, Expected)> {
     let none = CompensationSettings::default;
@@ -86,7 +86,7 @@ fn more_items() -> Vec<(CompensationKind, CompensationSettings, usize, Expected)
             0,
             |x, _| -2e-6 * (TAU * x / 10e-3 + 0.7).sin() - 0.8e-6 * (TAU * x / 7e-3 - 0.2).sin(),
         ),
-        // tool = table + 3 µm from 0.5 s on (the second end of Bench::settle is at 1 s).
+        // tool = table + 3 µm from 0.5 s on (the second end of TwoAxes::settle is at 1 s).
         (
             CompensationKind::Drift,
             CompensationSettings {
@@ -117,7 +117,7 @@ fn more_items() -> Vec<(CompensationKind, CompensationSettings, usize, Expected)
 /// the amplitude, 2.4 nm (3.4 nm for the two of the screw) and 7.2 mN; the rest is for the number format.
 fn cancels<S: Scalar>(to: [f64; 2]) {
     for (item, settings, channel, expected) in items().into_iter().chain(more_items()) {
-        let mut plant = Bench::<S>::new([&settings, &CompensationSettings::default()]);
+        let mut plant = TwoAxes::<S>::new([&settings, &CompensationSettings::default()]);
         plant.settle([to[0] - 0.02, to[1] - 0.02], to);
         let (added, exact) = (plant.added[channel][0], expected(to[0], to[1]));
         let tolerance = if channel == 2 { 10e-3 } else { 4e-9 };
@@ -142,7 +142,7 @@ fn cancels_talk<S: Scalar>(cross: bool) {
     } else {
         CompensationSettings { intalk: Some(Talk::Constant(c)), ..CompensationSettings::default() }
     };
-    let mut plant = Bench::<S>::new([&settings, &CompensationSettings::default()]);
+    let mut plant = TwoAxes::<S>::new([&settings, &CompensationSettings::default()]);
     let mut worst = 0.0f64;
     for k in 0..8000 {
         let angle = omega * f64::from(k) / RATE_HZ;
@@ -177,7 +177,7 @@ fn pitch_correction_depends_on_direction_and_source() {
         ..CompensationSettings::default()
     };
     for (of, sign) in [(PitchSource::Screw, -1.0), (PitchSource::Scale, 1.0)] {
-        let mut plant = Bench::<Fixed>::new([&both(of), &CompensationSettings::default()]);
+        let mut plant = TwoAxes::<Fixed>::new([&both(of), &CompensationSettings::default()]);
         for (from, to, value) in [(0.0, 0.05, 2e-6), (0.05, 0.02, 5e-6), (0.02, 0.03, 2e-6)] {
             plant.settle([from, 0.0], [to, 0.0]);
             assert!((plant.added[0][0] - sign * value).abs() < 1e-10, "{of:?}: {:e}", plant.added[0][0]);

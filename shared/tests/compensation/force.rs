@@ -38,7 +38,7 @@ fn worst<S: Scalar>(
     mut expected: impl FnMut(f64, [f64; 3]) -> f64,
 ) -> [f64; 2] {
     let settings = settings(model.clone());
-    let mut plant = Bench::<S>::new([&settings, &CompensationSettings::default()]);
+    let mut plant = TwoAxes::<S>::new([&settings, &CompensationSettings::default()]);
     let (mut worst, mut greatest) = (0.0f64, 0.0f64);
     for k in 1..8000 {
         let t = f64::from(k) / RATE_HZ;
@@ -163,7 +163,7 @@ fn follows_additional_friction<S: Scalar>(stiffness: Option<f64>) {
     let mut worst = 0.0f64;
     let stroke = SLOW;
     let bench_settings = settings(model);
-    let mut plant = Bench::<S>::new([&bench_settings, &CompensationSettings::default()]);
+    let mut plant = TwoAxes::<S>::new([&bench_settings, &CompensationSettings::default()]);
     for k in 1..8000 {
         let t = f64::from(k) / RATE_HZ;
         let [x, v, _] = stroke.at(t);
@@ -209,7 +209,7 @@ fn stretch_follows_the_force<S: Scalar>(is_applied: bool) {
         ..ForceModel::default()
     };
     let settings = CompensationSettings { stretch_m_per_n: Some(1e-8), ..settings(model) };
-    let mut plant = Bench::<S>::new([&settings, &CompensationSettings::default()]);
+    let mut plant = TwoAxes::<S>::new([&settings, &CompensationSettings::default()]);
     plant.all.switch(0, CompensationKind::Force, is_applied);
     let mut worst = 0.0f64;
     for k in 1..4000 {
@@ -253,7 +253,7 @@ fn a_model_that_is_set_again_in_motion_goes_on() {
         };
         let settings = settings(model);
         let none = CompensationSettings::default();
-        let [mut plant, mut untouched] = [(), ()].map(|()| Bench::<Fixed>::new([&settings, &none]));
+        let [mut plant, mut untouched] = [(), ()].map(|()| TwoAxes::<Fixed>::new([&settings, &none]));
         let mut worst = 0.0f64;
         for k in 1..4000 {
             let t = f64::from(k) / RATE_HZ;

@@ -37,13 +37,13 @@ fn points(start_m: f64, spacing_m: f64, value: impl Fn(f64) -> f64) -> Points {
     Points { start_m, spacing_m, values }
 }
 
-struct Bench<S: Scalar> {
+struct TwoAxes<S: Scalar> {
     all: Compensation<S, 2>,
     /// Corrections of the last tick by channel: commands (m), motor readings (m), forces (N).
     added: [[f64; 2]; 3],
 }
 
-impl<S: Scalar> Bench<S> {
+impl<S: Scalar> TwoAxes<S> {
     fn new(settings: [&CompensationSettings; 2]) -> Self {
         let mut all = Compensation::none([position(0.0); 2]);
         for (axis, settings) in settings.into_iter().enumerate() {

@@ -3,6 +3,7 @@
 //!
 //! The machine is simulated here: a mass on the motor, and a table that follows it with the errors of a screw.
 
+use crate::slide::Slide;
 use shared::config::{AxisSettings, ScaleLimits, Sensors};
 use shared::interpolate::Block;
 use shared::machine::Machine;
@@ -50,6 +51,8 @@ impl Errors {
     }
 }
 
+const TABLE: Slide = Slide { mass_kg: 50.0, viscous_n_s_per_m: 500.0, coulomb_n: 0.0 };
+
 /// Position of the table in every tick, m: to 40 mm at 40 mm/s, a stop, and back to 10 mm.
 fn table_m(sensors: Sensors, errors: Errors, settings: Option<&CompensationSettings>) -> Vec<f64> {
     let axis = AxisSettings {
@@ -74,8 +77,7 @@ fn table_m(sensors: Sensors, errors: Errors, settings: Option<&CompensationSetti
     let mut tables = Vec::new();
     for tick in 0..TICKS {
         for _ in 0..10 {
-            velocity += (force - 500.0 * velocity - errors.load_n) / 50.0 / (10.0 * RATE_HZ);
-            motor += velocity / (10.0 * RATE_HZ);
+            TABLE.step(&mut motor, &mut velocity, force - errors.load_n, 0.1 / RATE_HZ);
         }
         // Kinematic backlash: the table stays while the screw moves within the gap.
         let screw = motor + errors.screw_m(motor) - errors.load_n * errors.compliance_m_per_n;

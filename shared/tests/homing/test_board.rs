@@ -1,5 +1,6 @@
 //! A simulated axis of 120 mm with a home switch, limit switches, an encoder with an index pulse every 5 mm, and a scale.
 
+use crate::slide::Slide;
 use shared::config::{AxisSettings, Rates, ScaleLimits, Sensors};
 use shared::drive::{Amplifier, AxisInputs, Board, DriveSystem, Duty, EnableSwitch, Inputs, StatusLight};
 use shared::feedback::Reading;
@@ -9,8 +10,7 @@ use shared::scalar::Fixed;
 use shared::units::Position;
 
 pub const TICK_HZ: f64 = 20_000.0;
-const MASS_KG: f64 = 15.0;
-const COULOMB_N: f64 = 10.0;
+const TABLE: Slide = Slide { mass_kg: 15.0, viscous_n_s_per_m: 0.0, coulomb_n: 10.0 };
 const FULL_COUNTS: u16 = 8400;
 const FULL_N: f64 = 400.0;
 /// Encoder and scale, m per count.
@@ -120,9 +120,7 @@ impl TestBoard {
             self.previous_m = self.at_m;
             let magnitude = FULL_N * f64::from(self.duty.counts) / f64::from(FULL_COUNTS);
             let force = if self.duty.reverse { -magnitude } else { magnitude };
-            let friction = COULOMB_N * (self.velocity / 1e-4).tanh();
-            self.velocity += (force - friction) / MASS_KG / TICK_HZ;
-            self.at_m += self.velocity / TICK_HZ;
+            TABLE.step(&mut self.at_m, &mut self.velocity, force, 1.0 / TICK_HZ);
             assert!((0.0..0.12).contains(&self.at_m), "over the end of the plant: {}", self.at_m);
         }
     }

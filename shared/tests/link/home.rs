@@ -9,7 +9,7 @@ use shared::safety::{Fault, FaultKind, Power};
 
 use super::rig::{IDENTITY, Rig, settings};
 
-const HOMING: HomingSettings = HomingSettings {
+pub const HOMING: HomingSettings = HomingSettings {
     direction: Direction::Negative,
     mark: Mark::SwitchEdge,
     mark_position_m: 0.001,
@@ -24,7 +24,7 @@ const HOMING: HomingSettings = HomingSettings {
 
 /// X has a home switch at −20 to −15 mm; y has none.
 fn rig() -> Rig {
-    let mut rig = Rig::of(Identity { homing: [Some(HOMING), None], ..IDENTITY }, settings());
+    let mut rig = Rig::of(&Identity { homing: [Some(HOMING), None], ..IDENTITY }, settings());
     rig.plant.home_switch_m = Some([-0.020, -0.015]);
     rig
 }

@@ -2,11 +2,15 @@
 //! malicious.
 
 mod direction;
+mod envelope;
+mod excitation;
 mod garbage;
 mod halts;
 mod home;
 mod motions;
 mod order;
+mod overrides;
+
 mod power_loss;
 mod recordings;
 mod rig;

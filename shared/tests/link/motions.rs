@@ -1,14 +1,15 @@
 //! Motions: refused before they start, run as planned, held and stopped.
 
+use shared::config::AxisEnvelope;
 use shared::interpolate::feed_hold::FeedState;
 use shared::interpolate::{Block, PathError};
-use shared::link::Refusal;
 use shared::link::message::{Jog, MOTION_BLOCKS, Reply, Request};
 use shared::link::report::Activity;
+use shared::link::{Envelope, Identity, Refusal};
 use shared::safety::Power;
 use shared::units::Position;
 
-use super::rig::{IDENTITY, Rig, settings};
+use super::rig::{ENVELOPE, IDENTITY, Rig, settings};
 use super::{jog_at, jog_by, start};
 
 /// The command, m.
@@ -101,13 +102,20 @@ fn the_greatest_speed_of_an_axis_is_allowed() {
     assert_eq!(add([0.0, 0.031_25], 0.136 * 5f64.sqrt() / 2.0), refused);
 }
 
+/// A board whose axes have no ends.
+static ENDLESS: Envelope = {
+    let [x, y] = ENVELOPE.axes;
+    let axes = [AxisEnvelope { travel_m: None, ..x }, AxisEnvelope { travel_m: None, ..y }];
+    Envelope { axes, ..ENVELOPE }
+};
+
 /// An axis without soft limits can be jogged at a speed in either direction.
 #[test]
 fn without_soft_limits_a_jog_runs_in_either_direction() {
     let mut settings = settings();
     settings.axes[0].travel_m = None;
     for velocity in [0.03, -0.03] {
-        let mut rig = Rig::of(IDENTITY, settings.clone());
+        let mut rig = Rig::of(&Identity { envelope: &ENDLESS, ..IDENTITY }, settings.clone());
         rig.enable();
         assert_eq!(rig.request(&jog_at(velocity)), Reply::Done);
         rig.run(4000);
@@ -216,7 +224,7 @@ fn jogs_stay_within_the_travel() {
 fn a_started_motion_is_not_at_rest_before_its_first_block() {
     let mut rig = Rig::enabled();
     assert_eq!(rig.drive.can_start(), Ok(()));
-    rig.drive.start_motion(1);
+    rig.drive.start_motion(1, 100);
     assert!(rig.drive.machine().is_at_rest());
     assert_eq!((rig.drive.is_at_rest(), rig.drive.can_start()), (Err(Refusal::Moving), Err(Refusal::Moving)));
 }

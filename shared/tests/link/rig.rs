@@ -1,20 +1,21 @@
 //! A server with drives on a simulated plant of two masses, and a host that speaks to it.
 
+use crate::slide::Slide;
 use std::collections::VecDeque;
 
 use embedded_storage::nor_flash::NorFlash;
 use shared::capture::ChannelSteps;
-use shared::config::{AxisSettings, Rates};
+use shared::config::{AxisEnvelope, AxisSettings, Rates, Sensors};
 use shared::drive::{
     Amplifier, AnyOutput, AxisInputs, Board, DriveSignal, DriveSystem, Duty, EnableSwitch, Inputs,
-    StatusLight,
+    StatusLight, SupplyLimits,
 };
 use shared::feedback::Reading;
 use shared::link::message::{BoardSettings, FromBoard, Reply, Request};
 use shared::link::packet::{self, Frame, Header};
 use shared::link::stream::StreamPacket;
 use shared::link::{
-    BytePort, HostedDrive, Identity, Receiver, Refusal, Server, SettingsMemory, Status, Times,
+    BytePort, Envelope, HostedDrive, Identity, Receiver, Refusal, Server, SettingsMemory, Status, Times,
 };
 use shared::machine::Machine;
 use shared::safety::{Fault, Power};
@@ -46,6 +47,23 @@ pub const IDENTITY: Identity = Identity {
     steps: STEPS,
     times: TIMES,
     homing: [None; 2],
+    envelope: &ENVELOPE,
+};
+
+/// Generous ceilings, beyond what the tests upload.
+pub static ENVELOPE: Envelope = Envelope {
+    axes: [AxisEnvelope {
+        travel_m: Some([-0.15, 0.15]),
+        fastest_m_per_s: 0.3,
+        force_limit_n: 350.0,
+        saturation_time_s: 1.5,
+        following_error_limit_m: 5e-3,
+        frozen_encoder_limit_m: 0.5e-3,
+        scale_disagreement_limit_m: Some(1e-3),
+        stop_deceleration_m_per_s2: 0.5,
+        excitation_limit_n: 120.0,
+    }; 2],
+    supply: SupplyLimits { min_bus_mv: 36_000, max_bus_mv: 56_000, max_temperature_mc: 80_000 },
 };
 
 /// A flash of two slots with words of 4 bytes.
@@ -63,12 +81,19 @@ pub fn settings() -> BoardSettings {
         fastest_m_per_s: Some(0.15),
         travel_m: Some([-0.1, 0.1]),
         following_error_limit_m: 1e-3,
+        sensors: Sensors::Motor {
+            scale_disagreement_limit_m: Some(0.5e-3),
+            frozen_encoder_limit_m: Some(0.3e-3),
+        },
         ..AxisSettings::default()
     };
     BoardSettings { rates: Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 5 }, axes: [axis; 2] }
 }
 
-/// Two masses of 15 kg with 20 N of friction.
+/// Each axis.
+const TABLE: Slide = Slide { mass_kg: 15.0, viscous_n_s_per_m: 0.0, coulomb_n: 20.0 };
+
+/// Two masses with friction.
 #[derive(Default)]
 #[expect(clippy::struct_excessive_bools, reason = "switches and wires")]
 pub struct TestPlant {
@@ -90,10 +115,7 @@ impl TestPlant {
         let tick_s = 1.0 / f64::from(TICK_HZ);
         for axis in 0..2 {
             let force = if self.enabled { self.forces_n[axis] } else { 0.0 };
-            let free = self.velocity[axis] + force / 15.0 * tick_s;
-            let friction = 20.0 / 15.0 * tick_s;
-            self.velocity[axis] = free - free.clamp(-friction, friction);
-            self.position_m[axis] += self.velocity[axis] * tick_s;
+            TABLE.step(&mut self.position_m[axis], &mut self.velocity[axis], force, tick_s);
         }
     }
 
@@ -184,7 +206,7 @@ impl Rig {
     }
 
     /// A rig with an identity and settings of its own.
-    pub fn of(identity: Identity, settings: BoardSettings) -> Self {
+    pub fn of(identity: &Identity, settings: BoardSettings) -> Self {
         Self::assembled(Memory::erased(), None, identity, settings)
     }
 
@@ -204,15 +226,16 @@ impl<F: NorFlash> Rig<F> {
 
     /// A rig after a run that was ended by a fault.
     pub fn started(flash: F, previous_fault: Option<Fault>) -> Self {
-        Self::assembled(flash, previous_fault, IDENTITY, settings())
+        Self::assembled(flash, previous_fault, &IDENTITY, settings())
     }
 
     fn assembled(
         flash: F,
         previous_fault: Option<Fault>,
-        identity: Identity,
+        identity: &Identity,
         settings: BoardSettings,
     ) -> Self {
+        let settings = identity.envelope.admit(settings).unwrap();
         let machine = Box::leak(Box::new(
             Machine::<Fixed, 2>::new(settings.rates, &settings.axes, [Position(0); 2]).unwrap(),
         ));
@@ -221,7 +244,7 @@ impl<F: NorFlash> Rig<F> {
         let memory = vec![0; CAPTURE_BYTES].leak();
         let mut rig = Self {
             memory: SettingsMemory::new(Store::new(flash, SLOTS, BOARD).unwrap()),
-            server: Box::new(Server::new(identity, settings)),
+            server: Box::new(Server::new(*identity, settings)),
             drive: HostedDrive::new(system, TICK_HZ, TIMES, &STEPS, memory),
             plant: TestPlant::default(),
             line: Line::default(),

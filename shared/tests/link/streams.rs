@@ -46,7 +46,7 @@ fn the_period_is_the_number_of_samples_in_a_position_tick() {
     let with_divider = |position_loop_divider| {
         let settings = settings();
         let rates = Rates { position_loop_divider, ..settings.rates };
-        Rig::of(IDENTITY, BoardSettings { rates, ..settings })
+        Rig::of(&IDENTITY, BoardSettings { rates, ..settings })
     };
     for (divider, decimation, period) in
         [(5, 1, 5), (5, 5, 1), (5, 2, 1), (5, 10, 1), (4, 1, 4), (4, 2, 2), (4, 3, 1), (4, 4, 1), (1, 1, 1)]

@@ -3,6 +3,7 @@
 mod filters;
 mod holds;
 mod joints;
+mod overrides;
 mod stops;
 
 use std::f64::consts::{E, TAU};

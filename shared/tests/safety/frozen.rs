@@ -54,8 +54,7 @@ fn a_frozen_encoder_switches_the_drives_off() {
             if !machine.power().is_on() {
                 break;
             }
-            velocity += force / 50.0 / RATE_HZ;
-            position += velocity / RATE_HZ;
+            TABLE.step(&mut position, &mut velocity, force, 1.0 / RATE_HZ);
             ticks += 1;
             assert!(ticks < 400, "{position} m");
         }

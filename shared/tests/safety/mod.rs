@@ -6,6 +6,7 @@ mod frozen;
 mod scale;
 mod travel;
 
+use crate::slide::Slide;
 use shared::config::{AxisSettings, ConfigError, Rates, ScaleLimits, Sensors};
 use shared::interpolate::{Block, PathError, Smoothing};
 use shared::machine::{Machine, MachineError, Output, Reading};
@@ -26,7 +27,10 @@ fn position(m: f64) -> Position {
     Position::from_m(m).unwrap()
 }
 
-/// Two axes, each a mass of 50 kg without friction.
+/// Each axis.
+const TABLE: Slide = Slide { mass_kg: 50.0, viscous_n_s_per_m: 0.0, coulomb_n: 0.0 };
+
+/// Two axes.
 struct TestPlant<S: Scalar> {
     machine: Machine<S, 2>,
     motor_m: [f64; 2],
@@ -68,8 +72,8 @@ impl<S: Scalar> TestPlant<S> {
         });
         let output = self.machine.tick(&readings);
         for axis in 0..2 {
-            self.velocity[axis] += output.forces[axis].value() / 50.0 / RATE_HZ;
-            self.motor_m[axis] += self.velocity[axis] / RATE_HZ;
+            let force_n = output.forces[axis].value();
+            TABLE.step(&mut self.motor_m[axis], &mut self.velocity[axis], force_n, 1.0 / RATE_HZ);
         }
         output
     }

@@ -54,8 +54,9 @@ pub struct Outcome {
     pub injected: Vec<usize>,
     /// Faults that the controller has detected by itself, as their names.
     pub detected: Vec<String>,
-    /// Orders by kind: switches of compensations, changes of gains, holds, resumes, stops, disables, enables, blocks accepted.
-    pub orders: [usize; 8],
+    /// Orders by kind: switches of compensations, changes of gains, holds, resumes, stops, disables, enables, blocks accepted,
+    /// overrides.
+    pub orders: [usize; 9],
 }
 
 /// Every fault, on both axes.
@@ -197,12 +198,13 @@ impl Run<'_> {
                 self.axes[usize::from(axis)] = settings;
             }
         }
-        for (number, one_in) in [(2, 150), (3, 80), (4, 400), (5, 500)] {
+        for (number, one_in) in [(2, 150), (3, 80), (4, 400), (5, 500), (8, 120)] {
             if self.draws.one_in(one_in) {
                 let order = match number {
                     2 => Order::Hold,
                     3 => Order::Resume,
                     4 => Order::Stop,
+                    8 => Order::Override(u8::try_from(self.draws.below(201)).unwrap_or(100)),
                     _ => Order::Disable,
                 };
                 self.count(number, &order);

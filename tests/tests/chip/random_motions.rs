@@ -48,14 +48,14 @@ fn assert_covers(outcomes: &[Outcome], ticks: usize) {
     let sum = |of: fn(&Outcome) -> usize| outcomes.iter().map(of).sum::<usize>();
     let (all, on) = (outcomes.len() * ticks, sum(|outcome| outcome.on));
     let (saturated, without_scale) = (sum(|outcome| outcome.saturated), sum(|outcome| outcome.without_scale));
-    let orders: [usize; 8] = std::array::from_fn(|k| outcomes.iter().map(|outcome| outcome.orders[k]).sum());
+    let orders: [usize; 9] = std::array::from_fn(|k| outcomes.iter().map(|outcome| outcome.orders[k]).sum());
     let mut detected: Vec<&str> =
         outcomes.iter().flat_map(|outcome| &outcome.detected).map(String::as_str).collect();
     detected.sort_unstable();
     detected.dedup();
     println!(
         "{} motions of {ticks} ticks: {on} with the drives on, {saturated} at a force limit, {without_scale} without a scale; \
-         detected: {detected:?}; switches, changes, holds, resumes, stops, disables, enables, blocks: {orders:?}",
+         detected: {detected:?}; switches, changes, holds, resumes, stops, disables, enables, blocks, overrides: {orders:?}",
         outcomes.len()
     );
     assert!(2 * on > all && 100 * saturated > all && 20 * without_scale > all);

@@ -1,18 +1,21 @@
 //! The settings of the board are accepted. With them a simulated machine of two masses holds, moves and stops.
 
-use firmware::setup::{AXES, BoardDrives, METRES_PER_COUNT, SETTINGS, TICK_HZ, drive_system};
+use crate::slide::Slide;
+use firmware::setup::{
+    AXES, BoardDrives, ENVELOPE, METRES_PER_COUNT, SETTINGS, TABLE, TICK_HZ, drive_system,
+};
 use shared::axis::Reading;
 use shared::drive::{Board, DriveSignal, Duty};
 use shared::feedback::encoder::Encoder;
-use shared::interpolate::Block;
+use shared::interpolate::{Block, PathError};
 use shared::machine::Machine;
 use shared::safety::{Fault, FaultKind, Power};
 
 /// PWM counts on the board: 168 MHz / 20 kHz.
 const FULL_COUNTS: u16 = 8400;
 
-const MASS_KG: f64 = 15.0;
-const COULOMB_N: f64 = 20.0;
+/// Each axis.
+const SLIDE: Slide = Slide { mass_kg: 15.0, viscous_n_s_per_m: 0.0, coulomb_n: 20.0 };
 
 /// A simulated board: drives, masses and encoder counters.
 struct TestMachine {
@@ -38,9 +41,8 @@ impl TestMachine {
         for axis in 0..AXES {
             let Duty { reverse, counts } = self.duties[axis];
             let force = 400.0 * f64::from(counts) / f64::from(FULL_COUNTS) * if reverse { -1.0 } else { 1.0 };
-            let friction = COULOMB_N * (self.velocity[axis] / 1e-4).tanh();
-            self.velocity[axis] += (force - friction) / MASS_KG / f64::from(TICK_HZ);
-            self.position_m[axis] += self.velocity[axis] / f64::from(TICK_HZ);
+            let tick_s = 1.0 / f64::from(TICK_HZ);
+            SLIDE.step(&mut self.position_m[axis], &mut self.velocity[axis], force, tick_s);
         }
         self.encoder_m = self.position_m;
     }
@@ -135,7 +137,9 @@ fn the_board_holds_when_it_is_enabled_and_follows_its_path() {
     test_machine.position_m = [0.0; AXES];
     test_machine.encoder_m = test_machine.position_m;
     run(&mut system, &mut test_machine, 100);
-    system.machine_mut().push(&CIRCLE).unwrap();
+    // Its soft limits need a reference, so that a program is refused; a jog is not.
+    assert_eq!(system.machine_mut().push(&CIRCLE), Err(PathError::NotHomed { axis: 0 }));
+    system.machine_mut().jog(&CIRCLE).unwrap();
     test_machine.closed = true;
     // A turn and a half of 62.8 mm each at 33.3 mm/s takes 2827 ms; the ramp takes less than 100 ms more.
     let mut max_error = run(&mut system, &mut test_machine, 20 + 2827 + 100);
@@ -162,7 +166,7 @@ fn a_frozen_encoder_switches_the_power_stages_off() {
     for _ in 0..1000 {
         system.tick(&mut test_machine);
     }
-    system.machine_mut().push(&CIRCLE).unwrap();
+    system.machine_mut().jog(&CIRCLE).unwrap();
     test_machine.closed = true;
     let mut ticks = 0;
     while !test_machine.lit {
@@ -182,6 +186,14 @@ fn a_frozen_encoder_switches_the_power_stages_off() {
         "{:?}",
         test_machine.position_m
     );
+}
+
+/// An axis whose envelope has a limit for its scale has one, and no other.
+#[test]
+fn the_envelope_knows_the_scales_of_the_table() {
+    for (axis, envelope) in TABLE.iter().zip(&ENVELOPE.axes) {
+        assert_eq!(axis.scale_m_per_count.is_some(), envelope.scale_disagreement_limit_m.is_some());
+    }
 }
 
 #[test]

@@ -150,7 +150,7 @@ fn no_item_is_described_by_the_one_before() {
                     is_first = !line.starts_with("///");
                     continue;
                 };
-                let refers = ["The same ", "Those ", "Likewise"].iter().any(|start| doc.starts_with(start));
+                let refers = ["The same", "Those ", "Likewise"].iter().any(|start| doc.starts_with(start));
                 assert!(!is_first || !refers, "{}: {doc}", file.display());
                 items += usize::from(is_first);
                 is_first = false;

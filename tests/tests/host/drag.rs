@@ -38,7 +38,7 @@ fn log(seed: u64, force_at_1_m_per_s: f64) -> Log {
     }
     let mut axis = AxisLog::new("x", Unit::Millimetre);
     (axis.motor, axis.force) = (Some(motor_mm), Some(force_n));
-    Log { source: "x.csv".to_owned(), start_s: 0.0, sample_time_s: SAMPLE_S, axes: vec![axis] }
+    Log::new("x.csv", 0.0, SAMPLE_S, [axis])
 }
 
 fn traced(seed: u64, force_at_1_m_per_s: f64) -> Identification {

@@ -37,7 +37,9 @@ fn no_file_of_tracer_compensation_and_reports_names_an_effect() {
     let types = types();
     assert!(types.len() >= names().len());
     let mut read = 0;
-    for folder in ["trace", "commissioning", "report", "improve", "contour", "pages"] {
+    for folder in
+        ["trace", "commissioning", "report", "improve", "contour", "pages", "budget", "volume", "web"]
+    {
         for file in sources(&workspace().join("host-sim").join(folder).join("src")) {
             if file.ends_with("tests.rs") {
                 continue;

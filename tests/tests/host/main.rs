@@ -28,6 +28,8 @@ mod model_again;
 mod module_circles;
 mod no_false_names;
 mod pages_in_browser;
+#[path = "../../../shared/tests/slide.rs"]
+mod slide;
 mod trace_schema;
 mod traces;
 mod usb_port;

@@ -9,6 +9,7 @@ use friction_map::{FrictionMap, explain};
 use model::effects::Stage;
 use model::machine::Machine;
 use tests::data::data_folder;
+use tests::tables::{self, half_digit};
 use trace::AxisIdentification;
 
 /// The entries of a folder, sorted.
@@ -88,23 +89,19 @@ fn assert_free_runs(axis: &AxisIdentification) {
 
 /// The two figures of a row of the table of free runs in `docs/results.md`, and half of the last digit of each, µm.
 fn printed_um(row: &str) -> [(f64, f64); 2] {
-    const RESULTS: &str = include_str!("../../../docs/results.md");
-    let lines: Vec<&str> =
-        RESULTS.lines().filter(|line| line.starts_with('|') && line.contains(row)).collect();
-    let [line] = lines[..] else { panic!("{row}: {lines:?}") };
-    let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+    let rows = tables::rows("results.md", "| | declared model | with the effects found |");
+    let rows: Vec<&Vec<String>> = rows.iter().filter(|cells| cells[0].contains(row)).collect();
+    let [cells] = rows[..] else { panic!("{row}: {rows:?}") };
     let um = |cell: &str| {
         let (number, unit) = cell.split_once(' ').unwrap();
         let factor = match unit {
             "µm" => 1.0,
             "mm" => 1000.0,
-            _ => panic!("{line}"),
+            _ => panic!("{cells:?}"),
         };
-        let decimals = number.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-        let half_digit = 0.5 * 0.1f64.powi(i32::try_from(decimals).unwrap());
-        (factor * number.parse::<f64>().unwrap(), factor * half_digit)
+        (factor * number.parse::<f64>().unwrap(), factor * half_digit(number))
     };
-    [um(cells[1]), um(cells[2])]
+    [um(&cells[1]), um(&cells[2])]
 }
 
 /// With the correct latency of the force no Stribeck effect is found: friction falls towards standstill.

@@ -25,12 +25,7 @@ pub fn log(circle: &Circle) -> Log {
         log.tool = Some(tool.collect());
         log.command = Some(command);
     }
-    Log {
-        source: "log.csv".to_owned(),
-        start_s: 0.0,
-        sample_time_s: 1.0 / circle.rate_hz,
-        axes: axes.to_vec(),
-    }
+    Log::new("log.csv", 0.0, 1.0 / circle.rate_hz, axes.to_vec())
 }
 
 /// What a log shows.

@@ -77,7 +77,7 @@ mod tests {
         for channel in [LogChannel::Tool, LogChannel::Motor] {
             *axis.channel_mut(channel) = Some(late.clone());
         }
-        let log = Log { source: "log".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] };
+        let log = Log::new("log", 0.0, 1e-3, [axis]);
         let effect = vec![Effect::Latency(Latency { channel: Channel::Tool, ms: 2.3 })];
         let mut model = Machine::parse(model::examples::DEMO_MACHINE, "demo.toml").unwrap();
         model.axis["x"] = Axis { settings: Settings::default(), effect, ..Axis::default() };
@@ -105,7 +105,7 @@ mod tests {
             axis
         };
         let axes = vec![axis("x", 0), axis("y", 1)];
-        let log = Log { source: "log".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes };
+        let log = Log::new("log", 0.0, 1e-3, axes);
         let mut model = Machine::parse(model::examples::DEMO_MACHINE, "demo.toml").unwrap();
         for name in ["x", "y"] {
             let effect = [("probe_rotation", angle), ("probe_gain", gain), ("scale_gain", scale)]

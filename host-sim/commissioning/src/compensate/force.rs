@@ -97,7 +97,7 @@ fn warm_up(parameters: &AxisParameters, start_s: f64) -> Option<FrictionWarmUp> 
 
 fn load(parameters: &AxisParameters, travel_m: [f64; 2]) -> Option<Points> {
     let load = &parameters.load;
-    let has_load = load.constant.force_n != 0.0 || load.position.is_some();
+    let has_load = load.constant.force_n != 0.0 || load.varies();
     has_load.then(|| points(travel_m, |x| load.force_n(x)))
 }
 

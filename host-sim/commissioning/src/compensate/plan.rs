@@ -267,9 +267,10 @@ impl Planning<'_> {
         let name = names[index].clone();
         let mut axis = self.model.axis[index].clone();
         let mut effect = 0;
-        axis.effect.retain(|_| {
+        // An effect that is not compensated must not reach a table by the part of the plant in which its law acts.
+        axis.effect.retain(|kept| {
             effect += 1;
-            choice.has(&Part::Effect(index, effect - 1))
+            kept.compensation().is_compensated() && choice.has(&Part::Effect(index, effect - 1))
         });
         let parameters = AxisParameters::of(&axis);
         let travel_m = mapped::known_m(&axis, mapped::travel_m(self.model, self.tests, index)?);
@@ -320,7 +321,7 @@ impl Planning<'_> {
 
 /// Bounds of corrections and force. A correction of 10 mm/s follows a reversal of some µm within a millisecond; of an axis whose loops are
 /// not known, one of 2 mm/s, which no loop follows too far.
-fn limit(compensation: &mut CompensationSettings, settings: &Settings) {
+pub(crate) fn limit(compensation: &mut CompensationSettings, settings: &Settings) {
     let force_limit_n = settings.controller.force_limit_n;
     compensation.position_bound_m = 1e-3;
     compensation.position_rate_m_per_s = if settings.has_mass() { 0.01 } else { 0.002 };

@@ -185,9 +185,15 @@ impl AxisLoops {
     /// Highest Kp, 1/s, up to which the position loop has these margins; `None`: the lowest does not have them.
     #[must_use]
     pub fn highest_position_gain_per_s(&self, limits: MarginLimits) -> Option<f64> {
+        self.highest_usable_position_gain_per_s(|loops| loops.position().meet(limits))
+    }
+
+    /// Highest Kp, 1/s, up to which these loops are usable; `None`: with the lowest they are not.
+    #[must_use]
+    pub fn highest_usable_position_gain_per_s(&self, is_usable: impl Fn(&Self) -> bool) -> Option<f64> {
         const STEP: f64 = 1.1;
         const HALVINGS: usize = 10;
-        let is_usable = |gain: f64| self.with_position_gain(gain).position().meet(limits);
+        let is_usable = |gain: f64| is_usable(&self.with_position_gain(gain));
         let [lowest, highest] = GAINS_PER_S;
         if !is_usable(lowest) {
             return None;

@@ -1,5 +1,6 @@
 //! The position loops that are tried.
 
+use super::measured::MeasuredAxis;
 use crate::margins::axis_margins::AxisLoops;
 use crate::margins::{MarginError, MarginLimits};
 use model::axis::{Feedback, Law};
@@ -29,9 +30,10 @@ pub struct Candidate {
     pub ahead_ticks: f64,
 }
 
-/// The candidates of a machine. The scale takes part only where the machine file says that it does.
+/// The candidates of a machine. The scale takes part only where the machine file says that it does; with measured axes, the sensor is the
+/// one with which they were measured.
 #[must_use]
-pub fn of_machine(machine: &Machine) -> Vec<Candidate> {
+pub fn of_machine(machine: &Machine, measured: &[MeasuredAxis]) -> Vec<Candidate> {
     let has =
         |feedback: Feedback| machine.axis.values().all(|axis| axis.settings.sensors.feedback == feedback);
     let mut feedbacks = vec![(Feedback::Motor, 1.0)];
@@ -41,6 +43,7 @@ pub fn of_machine(machine: &Machine) -> Vec<Candidate> {
     if has(Feedback::Dual) {
         feedbacks.extend(TIME_CONSTANTS.map(|factor| (Feedback::Dual, factor)));
     }
+    feedbacks.retain(|(feedback, _)| measured.iter().all(|axis| axis.feedback == *feedback));
     let laws = [Law::P, Law::Hpc];
     let with_law = |law: Law| feedbacks.iter().map(move |(feedback, factor)| (law, *feedback, *factor));
     let with_feedforward = |(law, feedback, time_constant_factor)| {
@@ -66,6 +69,7 @@ impl Candidate {
         machine: &Machine,
         instruments: &Instruments,
         limits: MarginLimits,
+        measured: &[MeasuredAxis],
     ) -> Result<Option<Machine>, MarginError> {
         let mut machine = machine.clone();
         let tick_s = 1.0 / machine.rates().position_loop_hz();
@@ -88,7 +92,15 @@ impl Candidate {
         let highest: Option<Vec<f64>> = loops
             .iter()
             .zip(factors)
-            .map(|(loops, factor)| Some(loops.highest_position_gain_per_s(limits)? / factor))
+            .enumerate()
+            .map(|(index, (loops, factor))| {
+                let measured = measured.iter().find(|axis| axis.index == index);
+                let highest = loops.highest_usable_position_gain_per_s(|loops| {
+                    loops.position().meet(limits)
+                        && measured.is_none_or(|axis| axis.position(loops).meets(limits))
+                });
+                Some(highest? / factor)
+            })
             .collect();
         Ok(highest.map(|gains| {
             let gain = gains.into_iter().fold(f64::INFINITY, f64::min);

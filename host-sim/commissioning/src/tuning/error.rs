@@ -12,6 +12,14 @@ pub enum TuningError {
     /// The machine cannot be simulated.
     #[error(transparent)]
     Simulation(#[from] PredictionError),
+    /// A measured response cannot be used.
+    #[error("the response of {axis}: {problem}")]
+    Measured {
+        /// Name of the axis.
+        axis: String,
+        /// What was expected, and what was found.
+        problem: String,
+    },
     /// No velocity loop of an axis has the margins.
     #[error("axis {axis}: no gain of the velocity loop has the margins")]
     NoVelocityLoop {

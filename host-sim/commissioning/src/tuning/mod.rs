@@ -2,15 +2,19 @@
 //! velocity feed-forward for the position loop, each as fast as given margins allow. The simulated contour error decides.
 //!
 //! - [`velocity_loop`]: the fastest velocity loop of an axis
+//! - [`measured`]: loops with other settings, from a measured frequency response
 //! - [`candidate`]: the position loops that are tried
 //! - [`error`]: why there is no proposal
 //! - [`outcome`]: the proposal as text and JSON
 
 pub mod candidate;
 pub mod error;
+pub mod measured;
 pub mod outcome;
 pub mod velocity_loop;
 
+#[cfg(test)]
+mod measured_tests;
 #[cfg(test)]
 mod tests;
 
@@ -21,8 +25,9 @@ use rayon::prelude::*;
 use crate::compensate::file::CompensationFile;
 use crate::compensate::prediction::{TestMotion, contour_errors, total_rms_um};
 use crate::margins::MarginLimits;
-use crate::margins::axis_margins::{self, AxisMargins};
+use crate::margins::axis_margins::{self, AxisLoops, AxisMargins};
 use candidate::Candidate;
+use measured::MeasuredAxis;
 use model::machine::Machine;
 use outcome::{Proposal, Tried};
 use plant::instruments::Instruments;
@@ -38,6 +43,8 @@ pub struct Tuning<'a> {
     pub limits: MarginLimits,
     /// The motions whose contour error decides.
     pub tests: &'a [TestMotion],
+    /// Axes whose frequency response was measured: their loops have the margins as measured, too.
+    pub measured: &'a [MeasuredAxis],
 }
 
 impl Tuning<'_> {
@@ -47,10 +54,11 @@ impl Tuning<'_> {
     /// If the machine lacks a key, cannot be simulated, or an axis has no velocity loop with the margins.
     pub fn propose(&self) -> Result<Proposal, TuningError> {
         let declared = self.tried(self.machine.clone(), None)?;
-        let fast = velocity_loop::fastest(self.machine, &self.instruments, self.limits)?;
-        let candidates = candidate::of_machine(&fast);
+        let fast = velocity_loop::fastest(self.machine, &self.instruments, self.limits, self.measured)?;
+        let candidates = candidate::of_machine(&fast, self.measured);
         let tried = candidates.into_par_iter().filter_map(|candidate| {
-            let machine = candidate.applied_to(&fast, &self.instruments, self.limits).transpose()?;
+            let machine =
+                candidate.applied_to(&fast, &self.instruments, self.limits, self.measured).transpose()?;
             Some(machine.map_err(TuningError::from).and_then(|machine| self.tried(machine, Some(candidate))))
         });
         let mut tried: Vec<Tried> = tried.collect::<Result<_, _>>()?;
@@ -70,6 +78,8 @@ impl Tuning<'_> {
         } else {
             None
         };
-        Ok(Tried { candidate, machine, margins, contour_um })
+        let loops = AxisLoops::of_machine(&machine, &self.instruments)?;
+        let measured = self.measured.iter().map(|axis| axis.loops(&loops[axis.index])).collect();
+        Ok(Tried { candidate, machine, margins, measured, contour_um })
     }
 }

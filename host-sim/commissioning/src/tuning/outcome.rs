@@ -5,8 +5,11 @@ use std::cmp::Ordering;
 use serde_json::{Value, json};
 
 use super::candidate::Candidate;
+use super::measured::{MeasuredLoop, MeasuredLoops};
 use crate::margins::axis_margins::{AxisMargins, LoopMargins};
+use crate::margins::margin::At;
 use crate::margins::{MarginLimits, json};
+use crate::response::margins::MeasuredMargins;
 use model::axis::{Law, Settings};
 use model::machine::Machine;
 
@@ -22,6 +25,8 @@ pub struct Tried {
     pub machine: Machine,
     /// The margins of its axes.
     pub margins: Vec<AxisMargins>,
+    /// The loops of the measured axes, with these settings.
+    pub measured: Vec<MeasuredLoops>,
     /// Rms of the simulated contour error over all motions, µm; `None`: a loop is unstable.
     pub contour_um: Option<f64>,
 }
@@ -91,6 +96,16 @@ impl Proposal {
                 format!("{:<10}{}", format!("{word} {name}"), settings_row(&axis.settings, margins))
             }));
         }
+        if !best.measured.is_empty() {
+            lines.push(String::new());
+            lines.extend(best.measured.iter().map(|axis| {
+                let [velocity, position] = [&axis.velocity, &axis.position].map(MeasuredLoop::words);
+                format!(
+                    "proposed {}, as measured: velocity loop {velocity}; position loop {position}",
+                    axis.axis
+                )
+            }));
+        }
         lines.extend([
             String::new(),
             format!(
@@ -145,6 +160,7 @@ impl Proposal {
                 "feedback": tried.candidate.map(|candidate| candidate.feedback),
                 "axis": settings.collect::<serde_json::Map<_, _>>(),
                 "margins": json::of(&tried.margins, self.limits),
+                "measured": tried.measured.iter().map(MeasuredLoops::json).collect::<Vec<_>>(),
                 "contour_error_um": tried.contour_um,
             })
         };
@@ -153,6 +169,30 @@ impl Proposal {
             "proposed": self.best().map(tried),
             "tried": self.tried.iter().map(tried).collect::<Vec<_>>(),
         })
+    }
+}
+
+impl MeasuredLoops {
+    /// `{"axis": …, "velocity": {…}, "position": {…}}`.
+    fn json(&self) -> Value {
+        json!({"axis": self.axis, "velocity": self.velocity.json(), "position": self.position.json()})
+    }
+}
+
+impl MeasuredLoop {
+    fn json(&self) -> Value {
+        let MeasuredMargins { crossover_hz, phase_deg, gain_db } = self.margins;
+        let at = |at: Option<At>| at.map(|at| json!({"value": at.value, "at_hz": at.hz}));
+        json!({"crossover_hz": crossover_hz, "phase_margin_deg": at(phase_deg), "gain_margin_db": at(gain_db)})
+    }
+
+    fn words(&self) -> String {
+        let MeasuredMargins { crossover_hz, phase_deg, gain_db } = self.margins;
+        let Some((hz, phase)) = crossover_hz.zip(phase_deg) else {
+            return "has its crossover below the measured frequencies".to_owned();
+        };
+        let gain = gain_db.map_or("no −180° was measured".to_owned(), |at| format!("{:.1} dB", at.value));
+        format!("{gain}, {:.0}°, crossover {hz:.0} Hz", phase.value)
     }
 }
 

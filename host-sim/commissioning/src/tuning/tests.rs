@@ -2,7 +2,7 @@ use super::*;
 use crate::margins::axis_margins::AxisLoops;
 
 /// A rigid axis: 100 kg, velocity loop at 8 kHz, position loop at 2 kHz, no lag of drive or sensors.
-const RIGID: &str = r#"name = "rigid"
+pub const RIGID: &str = r#"name = "rigid"
 sample_rate_hz = 2000.0
 velocity_loop_rate_hz = 8000.0
 
@@ -18,7 +18,7 @@ motor_mass_kg = 40.0
 table_mass_kg = 60.0
 "#;
 
-fn machine(text: &str) -> Machine {
+pub fn machine(text: &str) -> Machine {
     Machine::parse(text, "test.toml").unwrap()
 }
 
@@ -31,7 +31,7 @@ fn the_velocity_loop_of_a_rigid_axis_is_as_fast_as_its_sampling_allows() {
     let machine = machine(RIGID);
     let limits = MarginLimits { gain_db: 10.0, phase_deg: 45.0 };
     let instruments = Instruments::of(&machine, 0);
-    let tuned = velocity_loop::fastest(&machine, &instruments, limits).unwrap();
+    let tuned = velocity_loop::fastest(&machine, &instruments, limits, &[]).unwrap();
     let controller = &tuned.axis["x"].settings.controller;
     let per_tick = controller.velocity_gain_n_s_per_m.unwrap() / 100.0 / 8000.0;
     assert!((0.3..0.65).contains(&per_tick), "{per_tick}");
@@ -50,7 +50,7 @@ fn a_coarse_encoder_limits_the_velocity_gain() {
     // A crossover of 5 rad/s with 100 kg would be below the slowest that is tried: a tenth of the mass.
     let coarse = machine(&coarse.replace("40.0", "4.0").replace("60.0", "6.0"));
     let limits = MarginLimits::default();
-    let tuned = velocity_loop::fastest(&coarse, &Instruments::of(&coarse, 0), limits).unwrap();
+    let tuned = velocity_loop::fastest(&coarse, &Instruments::of(&coarse, 0), limits, &[]).unwrap();
     let gain = tuned.axis["x"].settings.controller.velocity_gain_n_s_per_m.unwrap();
     assert!(gain <= 500.0 && gain > 500.0 / 1.05, "{gain}");
 }
@@ -64,7 +64,7 @@ fn a_proposal_has_its_margins_and_a_smaller_error() {
     let circle = include_str!("../../../motions/demo_ballbar.toml");
     let tests = [TestMotion::parse(circle, "demo_ballbar.toml", 0.0).unwrap()];
     let instruments = Instruments::of(&machine, 1);
-    let tuning = Tuning { machine: &machine, instruments, limits, tests: &tests };
+    let tuning = Tuning { machine: &machine, instruments, limits, tests: &tests, measured: &[] };
     let proposal = tuning.propose().unwrap();
     // Both laws on the motor, with four feed-forwards each.
     assert_eq!(proposal.tried.len(), 8);

@@ -6,11 +6,13 @@
 use std::f64::consts::TAU;
 
 use super::error::TuningError;
+use super::measured::MeasuredAxis;
 use crate::margins::axis_margins::AxisLoops;
 use crate::margins::{MarginError, MarginLimits};
 use model::axis::{Filters, Settings};
 use model::machine::Machine;
 use plant::instruments::Instruments;
+use shared::config::Notch;
 
 /// Crossover over corner of the integral part.
 const INTEGRAL_RATIO: f64 = 4.0;
@@ -31,7 +33,7 @@ const NOTCH: (f64, f64) = (0.5, 0.9);
 /// The least gain by which a notch has to raise Kv to be proposed.
 const MIN_GAIN_OF_NOTCH: f64 = 1.1;
 
-/// The machine with the fastest velocity loop on each axis.
+/// The machine with the fastest velocity loop on each axis. A measured axis has the margins by the model and as measured.
 ///
 /// # Errors
 /// If the machine lacks a key, or no gain of an axis has the margins.
@@ -39,19 +41,22 @@ pub fn fastest(
     machine: &Machine,
     instruments: &Instruments,
     limits: MarginLimits,
+    measured: &[MeasuredAxis],
 ) -> Result<Machine, TuningError> {
     let mut tuned = machine.clone();
     for index in 0..machine.axis.len() {
+        let measured = measured.iter().find(|axis| axis.index == index);
         let usable = |settings: &Settings| -> Result<bool, MarginError> {
             let mut tried = machine.clone();
             tried.axis[index].settings = settings.clone();
-            let loops = AxisLoops::of_machine(&tried, instruments)?;
-            Ok(loops[index].velocity().meet(limits))
+            let loops = AxisLoops::of_machine(&tried, instruments)?.swap_remove(index);
+            Ok(loops.velocity().meet(limits)
+                && measured.is_none_or(|axis| axis.velocity(&loops).meets(limits)))
         };
         let settings = &machine.axis[index].settings;
         let highest_gain = highest_for_noise(settings, machine.rates().velocity_loop_hz, instruments);
         let plain = highest(settings, highest_gain, &usable)?;
-        let notched = match notch(settings, machine.rates().velocity_loop_hz) {
+        let notched = match notch(settings, machine.rates().velocity_loop_hz, measured) {
             Some(filters) => highest(&Settings { filters, ..settings.clone() }, highest_gain, &usable)?,
             None => None,
         };
@@ -102,18 +107,25 @@ fn highest_for_noise(settings: &Settings, velocity_loop_hz: f64, instruments: &I
     }
 }
 
-/// The filters with a notch at the resonance of motor against table; `None`: the axis is rigid, has a notch already, or the
-/// resonance is beyond what the loop can filter.
-fn notch(settings: &Settings, velocity_loop_hz: f64) -> Option<Filters> {
+/// The filters with a notch at the measured resonance, else at that of motor against table; `None`: the axis is rigid, has a notch already,
+/// or the resonance is beyond what the loop can filter.
+fn notch(settings: &Settings, velocity_loop_hz: f64, measured: Option<&MeasuredAxis>) -> Option<Filters> {
+    let notch = measured.and_then(|axis| axis.notch).or_else(|| of_model(settings))?;
+    let is_free =
+        settings.filters.notch_frequency_hz.is_none() && notch.frequency_hz < 0.25 * velocity_loop_hz;
+    is_free.then(|| Filters {
+        notch_frequency_hz: Some(notch.frequency_hz),
+        notch_width_hz: Some(notch.width_hz),
+        notch_depth: Some(notch.depth),
+        ..settings.filters.clone()
+    })
+}
+
+/// A notch at the resonance of motor against table.
+fn of_model(settings: &Settings) -> Option<Notch> {
     let mechanics = &settings.mechanics;
     let stiffness_n_per_m = 1e6 * mechanics.stiffness_n_per_um?;
     let (motor_kg, table_kg) = (mechanics.motor_mass_kg?, mechanics.table_mass_kg?);
     let frequency_hz = (stiffness_n_per_m * (1.0 / motor_kg + 1.0 / table_kg)).sqrt() / TAU;
-    let is_free = settings.filters.notch_frequency_hz.is_none() && frequency_hz < 0.25 * velocity_loop_hz;
-    is_free.then(|| Filters {
-        notch_frequency_hz: Some(frequency_hz),
-        notch_width_hz: Some(NOTCH.0 * frequency_hz),
-        notch_depth: Some(NOTCH.1),
-        ..settings.filters.clone()
-    })
+    Some(Notch { frequency_hz, width_hz: NOTCH.0 * frequency_hz, depth: NOTCH.1 })
 }

@@ -32,7 +32,7 @@ fn circle(
         for i in 0..=SAMPLES {
             let angle = start_rad + sense * TAU * f64::from(i) / f64::from(SAMPLES);
             let command = [centre[0] + RADIUS_M * angle.cos(), centre[1] + RADIUS_M * angle.sin()];
-            // The lag builds up over a tenth of a turn and ends likewise.
+            // The lag builds up over a tenth of a turn and decays over another tenth.
             let part = 10.0 * f64::from(i.min(SAMPLES - i)) / f64::from(SAMPLES);
             let behind = angle - sense * lag_rad * part.min(1.0);
             let r = RADIUS_M + 1e-6 * deviation_um(behind, sense);

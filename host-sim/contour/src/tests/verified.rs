@@ -17,12 +17,7 @@ fn line(source: &str, steps: u32, direction: [f64; 2], offset_um: f64) -> Log {
         axis.command = Some(command);
         axis
     };
-    Log {
-        source: source.to_owned(),
-        start_s: 0.0,
-        sample_time_s: SAMPLE_S,
-        axes: vec![axis("x", 0), axis("y", 1)],
-    }
+    Log::new(source, 0.0, SAMPLE_S, [axis("x", 0), axis("y", 1)])
 }
 
 fn some_line() -> Predictions {
@@ -313,7 +308,7 @@ fn a_tool_that_does_not_follow_its_command_is_refused() {
             axis
         };
         let axes = vec![axis("x", 0), axis("y", 1)];
-        Log { source: source.to_owned(), start_s: 0.0, sample_time_s: SAMPLE_S, axes }
+        Log::new(source, 0.0, SAMPLE_S, axes)
     };
     let before = log("before", &|angle| [angle.cos(), angle.sin()]);
     let verified = |of_tool: &dyn Fn(f64) -> [f64; 2]| {

@@ -10,8 +10,8 @@ mod write;
 
 use std::ops::Range;
 
-pub use read::{ALLOWED, TIME, channel_of};
-pub use write::{Rows, write_rows};
+pub use read::{ALLOWED, Rows, TIME, channel_of};
+pub use write::{RowWriter, write_rows};
 
 /// Units of an axis's positions and forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,6 +145,12 @@ impl AxisLog {
         }
     }
 
+    /// The samples of all measured channels.
+    fn channels_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        let Self { command, motor, table, tool, force, added_force, .. } = self;
+        [command, motor, table, tool, force, added_force].into_iter().flatten()
+    }
+
     /// Name of the column of a channel.
     #[must_use]
     pub fn column(&self, channel: Channel) -> String {
@@ -172,9 +178,23 @@ pub struct Log {
     pub sample_time_s: f64,
     /// The axes, in the order of the columns.
     pub axes: Vec<AxisLog>,
+    /// Samples for which the file had no row at their time, in increasing order: they were interpolated, and are no measurement.
+    pub interpolated: Vec<Range<usize>>,
 }
 
 impl Log {
+    /// A log of which every sample was measured. `source` is its name for messages, `start_s` the time of its first sample.
+    #[must_use]
+    pub fn new(
+        source: impl Into<String>,
+        start_s: f64,
+        sample_time_s: f64,
+        axes: impl IntoIterator<Item = AxisLog>,
+    ) -> Self {
+        let axes = axes.into_iter().collect();
+        Self { source: source.into(), start_s, sample_time_s, axes, interpolated: Vec::new() }
+    }
+
     /// Number of samples.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -200,6 +220,19 @@ impl Log {
         self.start_s + sample as f64 * self.sample_time_s
     }
 
+    /// Whether the file had a row at the time of a sample.
+    #[must_use]
+    pub fn is_measured(&self, sample: usize) -> bool {
+        let next = self.interpolated.partition_point(|range| range.end <= sample);
+        self.interpolated.get(next).is_none_or(|range| sample < range.start)
+    }
+
+    /// Number of samples that were interpolated.
+    #[must_use]
+    pub fn interpolated_samples(&self) -> usize {
+        self.interpolated.iter().map(ExactSizeIterator::len).sum()
+    }
+
     /// A part of the samples, with their times.
     ///
     /// # Panics
@@ -211,8 +244,31 @@ impl Log {
             start_s: self.time_s(range.start),
             sample_time_s: self.sample_time_s,
             axes: self.axes.iter().map(|axis| axis.slice(&range)).collect(),
+            interpolated: self.interpolated.iter().filter_map(|samples| within(samples, &range)).collect(),
         }
     }
+
+    /// Each Nth sample, from the first one on.
+    ///
+    /// # Panics
+    /// If `every` is 0.
+    #[must_use]
+    pub fn thinned(mut self, every: usize) -> Self {
+        self.sample_time_s *= every as f64;
+        for channel in self.axes.iter_mut().flat_map(AxisLog::channels_mut) {
+            *channel = channel.iter().copied().step_by(every).collect();
+        }
+        let thinned =
+            self.interpolated.iter().map(|range| range.start.div_ceil(every)..range.end.div_ceil(every));
+        self.interpolated = thinned.filter(|range| !range.is_empty()).collect();
+        self
+    }
+}
+
+/// The part of a range that is in another one, counted from its start.
+fn within(samples: &Range<usize>, range: &Range<usize>) -> Option<Range<usize>> {
+    let part = samples.start.max(range.start)..samples.end.min(range.end);
+    (!part.is_empty()).then(|| part.start - range.start..part.end - range.start)
 }
 
 #[cfg(test)]

@@ -35,18 +35,61 @@ impl Log {
     ///
     /// # Errors
     /// As [`Log::parse`].
+    pub fn of_table(table: Table<'_>, source: &str) -> Result<Self, InputError> {
+        Rows::of_table(table, source)?.uniform()
+    }
+}
+
+/// The rows of a log, at times that may be uneven.
+#[derive(Debug)]
+pub struct Rows {
+    source: String,
+    /// Times of the rows, s.
+    pub times_s: Vec<f64>,
+    /// The axes, with a sample of each channel for each row.
+    pub axes: Vec<AxisLog>,
+    /// The period of a uniform clock with these times, s, or why there is none.
+    period_s: Result<f64, InputError>,
+}
+
+impl Rows {
+    /// Reads the rows of a log from an opened table; `source` is the file name for error messages.
+    ///
+    /// # Errors
+    /// If the table has other columns than those of a log, or fewer than two rows.
     pub fn of_table(mut table: Table<'_>, source: &str) -> Result<Self, InputError> {
         let header = Header::parse(&table)?;
-        let (columns, decimals) = read_columns(&mut table, header.time)?;
-        let times_s = &columns[header.time];
+        let (mut columns, decimals) = read_columns(&mut table, header.time)?;
+        let times_s = std::mem::take(&mut columns[header.time]);
         if times_s.len() < 2 {
             let found = if times_s.is_empty() { "none" } else { "one" };
             return Err(InputError::expected(source, "two samples or more", found));
         }
-        let sample_time_s = clock::sample_time_s(times_s, decimals)
-            .map_err(|irregular| irregular_time(&table, times_s, &irregular))?;
-        let start_s = times_s[0];
-        Ok(Self { source: source.to_owned(), start_s, sample_time_s, axes: header.axes(columns) })
+        let period_s = clock::sample_time_s(&times_s, decimals)
+            .map_err(|irregular| irregular_time(&table, &times_s, &irregular));
+        Ok(Self { source: source.to_owned(), times_s, axes: header.axes(columns), period_s })
+    }
+
+    /// Whether the times are those of a uniform clock.
+    #[must_use]
+    pub fn is_uniform(&self) -> bool {
+        self.period_s.is_ok()
+    }
+
+    /// Whether a time is before that of the row before by more than a period: another recording, or a clock that was set.
+    #[must_use]
+    pub fn goes_back(&self) -> bool {
+        let steps: Vec<f64> = self.times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let period_s = numerics::median(&steps).unwrap_or_default();
+        steps.iter().any(|&step_s| step_s < -period_s)
+    }
+
+    /// The log.
+    ///
+    /// # Errors
+    /// If the times are not those of a uniform clock.
+    pub fn uniform(self) -> Result<Log, InputError> {
+        Ok(Log::new(self.source, self.times_s[0], self.period_s?, self.axes))
     }
 }
 

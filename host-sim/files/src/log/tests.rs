@@ -237,7 +237,7 @@ fn written_values_have_a_resolution_of_a_tenth_of_a_nanometre_and_of_a_millinewt
     let mut axis = AxisLog::new("x", Unit::Millimetre);
     axis.tool = Some(vec![-1_234.567_890_12, 0.000_000_1]);
     axis.force = Some(vec![0.1234, -20_000.0]);
-    let log = Log { source: String::new(), start_s: 0.0, sample_time_s: 2.5e-4, axes: vec![axis] };
+    let log = Log::new("", 0.0, 2.5e-4, [axis]);
     let mut bytes = Vec::new();
     log.write_csv(&mut bytes).unwrap();
     let expected = "time_s,x_tool_mm,x_force_n\n\
@@ -250,7 +250,7 @@ fn written_values_have_a_resolution_of_a_tenth_of_a_nanometre_and_of_a_millinewt
 fn a_slice_keeps_its_times() {
     let mut axis = AxisLog::new("x", Unit::Millimetre);
     axis.motor = Some((0..10).map(f64::from).collect());
-    let log = Log { source: String::new(), start_s: 5.0, sample_time_s: 0.5, axes: vec![axis] };
+    let log = Log::new("", 5.0, 0.5, [axis]);
     let part = log.slice(4..7);
     assert_eq!(part.axes[0].motor, Some(vec![4.0, 5.0, 6.0]));
     assert_eq!(part.axes[0].table, None);

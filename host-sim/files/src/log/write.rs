@@ -17,7 +17,7 @@ const FORCE_DECIMALS: usize = 4;
 const TIME_DECIMALS: std::ops::RangeInclusive<usize> = 3..=9;
 
 impl Log {
-    /// Writes the log completely or not at all, compressed by gzip if the name ends with `.gz`.
+    /// Writes the log completely or not at all, compressed by gzip if the name ends with `.gz`. Interpolated samples have no row.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -30,13 +30,20 @@ impl Log {
     /// # Errors
     /// If `out` fails.
     pub fn write_csv(&self, out: impl Write) -> io::Result<()> {
-        self.fill(&mut Rows::new(out, self)?)
+        self.fill(&mut RowWriter::new(out, self)?)
     }
 
-    fn fill<W: Write>(&self, rows: &mut Rows<W>) -> io::Result<()> {
+    fn fill<W: Write>(&self, rows: &mut RowWriter<W>) -> io::Result<()> {
         let channels = self.axes.iter().flat_map(|axis| Channel::ALL.map(|channel| axis.channel(channel)));
         let columns: Vec<&[f64]> = channels.flatten().collect();
-        (0..self.len()).try_for_each(|sample| rows.row(columns.iter().map(|column| column[sample])))
+        (0..self.len()).try_for_each(|sample| {
+            if self.is_measured(sample) {
+                rows.row(columns.iter().map(|column| column[sample]))
+            } else {
+                rows.skip();
+                Ok(())
+            }
+        })
     }
 
     /// Number of decimals that start and sample time need.
@@ -62,32 +69,32 @@ impl Log {
 pub fn write_rows(
     path: &Path,
     head: &Log,
-    fill: impl FnOnce(&mut Rows<&mut dyn Write>) -> io::Result<()>,
+    fill: impl FnOnce(&mut RowWriter<&mut dyn Write>) -> io::Result<()>,
 ) -> Result<(), OutputError> {
     let packed = path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("gz"));
     write_whole(path, |out| {
         if !packed {
-            return fill(&mut Rows::new(out, head)?);
+            return fill(&mut RowWriter::new(out, head)?);
         }
         // Buffered, as many small writes to the encoder are slow.
         let mut buffer = BufWriter::new(GzEncoder::new(out, Compression::default()));
-        fill(&mut Rows::new(&mut buffer as &mut dyn Write, head)?)?;
+        fill(&mut RowWriter::new(&mut buffer as &mut dyn Write, head)?)?;
         buffer.into_inner()?.finish().map(drop)
     })
 }
 
 /// A log that is being written.
-pub struct Rows<W> {
+pub struct RowWriter<W> {
     out: W,
     clock: Log,
     time_decimals: usize,
     /// Decimals of each column.
     decimals: Vec<usize>,
-    /// Number of rows so far.
-    written: usize,
+    /// Number of samples so far.
+    samples: usize,
 }
 
-impl<W: Write> Rows<W> {
+impl<W: Write> RowWriter<W> {
     /// Writes the header.
     ///
     /// # Errors
@@ -102,7 +109,7 @@ impl<W: Write> Rows<W> {
             }
         }
         writeln!(out)?;
-        Ok(Self { out, clock: head.slice(0..0), time_decimals: head.time_decimals(), decimals, written: 0 })
+        Ok(Self { out, clock: head.slice(0..0), time_decimals: head.time_decimals(), decimals, samples: 0 })
     }
 
     /// Writes the next row: one value for each column after the time.
@@ -110,12 +117,17 @@ impl<W: Write> Rows<W> {
     /// # Errors
     /// If `out` fails.
     pub fn row(&mut self, values: impl IntoIterator<Item = f64>) -> io::Result<()> {
-        let Self { out, clock, time_decimals, decimals, written } = self;
-        write!(out, "{:.*}", *time_decimals, clock.time_s(*written))?;
+        let Self { out, clock, time_decimals, decimals, samples } = self;
+        write!(out, "{:.*}", *time_decimals, clock.time_s(*samples))?;
         for (value, decimals) in values.into_iter().zip(decimals) {
             write!(out, ",{value:.*}", *decimals)?;
         }
-        *written += 1;
+        *samples += 1;
         writeln!(out)
+    }
+
+    /// Leaves out the row of the next sample.
+    const fn skip(&mut self) {
+        self.samples += 1;
     }
 }

@@ -263,6 +263,17 @@ macro_rules! settings {
 
 axis_keys!(settings);
 
+impl Mechanics {
+    /// The stiffness between motor and table, if both masses are known.
+    #[must_use]
+    pub const fn spring_n_per_um(&self) -> Option<f64> {
+        match (self.motor_mass_kg, self.table_mass_kg) {
+            (Some(_), Some(_)) => self.stiffness_n_per_um,
+            _ => None,
+        }
+    }
+}
+
 impl Settings {
     /// Whether a mass above zero is declared.
     #[must_use]
@@ -297,9 +308,9 @@ impl Settings {
         Some(4.0 * self.mechanics.lead_mm? / f64::from(steps))
     }
 
-    /// Whether motor and table are one mass.
+    /// Whether motor and table are one mass, or what is between them cannot be simulated: without both masses, a stiffness says nothing.
     #[must_use]
-    pub fn is_rigid(&self) -> bool {
-        self.mechanics.stiffness_n_per_um.is_none()
+    pub const fn is_rigid(&self) -> bool {
+        self.mechanics.spring_n_per_um().is_none()
     }
 }

@@ -41,7 +41,7 @@ impl FrictionRipple {
 impl EffectModel for FrictionRipple {
     const NAME: &'static str = "friction_ripple";
     const SUMMARY: &'static str =
-        "periodic variation of friction: a whole number of periods per lead, or a period of its own";
+        "periodic variation of friction, with a whole number of periods per lead or any other period";
     const SHOWN_IN: &'static [Stage] = &[Stage::Force];
 
     harmonic_effect!(amplitude_n, Unit::Newton, step 1.0, limit 1e5, period fitted_period_mm);

@@ -1,4 +1,4 @@
-//! Lost motion: backlash, and wind-up under friction, which nothing parts.
+//! Lost motion: backlash and wind-up under friction, where nothing distinguishes them.
 
 use serde::{Deserialize, Serialize};
 
@@ -70,7 +70,7 @@ impl LostMotion {
 
 impl EffectModel for LostMotion {
     const NAME: &'static str = "lost_motion";
-    const SUMMARY: &'static str = "total width by which the table stays behind after a reversal: gap and stretch under friction, which nothing parts";
+    const SUMMARY: &'static str = "total width by which the table lags after a reversal: backlash and wind-up under friction, which the logs do not distinguish";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("width_um", Unit::Micrometre, Range::NotNegative),
         Parameter::new("friction_m_per_s2", Unit::MetrePerSecondSquared, Range::Positive),

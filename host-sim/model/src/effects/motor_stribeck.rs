@@ -51,7 +51,7 @@ impl EffectModel for MotorStribeck {
 
     /// On a rigid axis, friction of motor and guideway are one force.
     fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
-        let is_elastic = Prerequisite::needs(!axis.is_rigid(), "stiffness_n_per_um in the machine file");
+        let is_elastic = Prerequisite::elastic(axis);
         let table = Prerequisite::Needs("logs with a force and a table channel");
         Prerequisite::masses(axis).and(is_elastic).and(table)
     }

@@ -51,7 +51,7 @@ impl PitchCyclic {
 
 impl EffectModel for PitchCyclic {
     const NAME: &'static str = "pitch_cyclic";
-    const SUMMARY: &'static str = "periodic error of the screw's pitch: a whole number of periods per lead, or a period of its own (belt, gear, balls)";
+    const SUMMARY: &'static str = "periodic error of the screw's pitch, with a whole number of periods per lead or any other period (belt, gear, balls)";
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
     const DRAW_NUMBER: Option<u32> = Some(2);
 

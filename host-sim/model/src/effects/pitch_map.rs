@@ -92,7 +92,7 @@ impl PitchMap {
 
 impl EffectModel for PitchMap {
     const NAME: &'static str = "pitch_map";
-    const SUMMARY: &'static str = "error of the screw, given at positions with a natural cubic spline between them and constant beyond; where the ways differ, a gap of the width error_negative − error; mean, slope and mean width are not fitted";
+    const SUMMARY: &'static str = "error of the screw at given positions, with a natural cubic spline between them and constant beyond; where the directions of travel differ, a gap of width error_negative − error; mean, slope and mean width are not fitted";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::list("positions_mm", Unit::Millimetre, Range::Signed),
         Parameter::list("error_um", Unit::Micrometre, Range::Signed),

@@ -40,8 +40,7 @@ impl ScaleCyclic {
 
 impl EffectModel for ScaleCyclic {
     const NAME: &'static str = "scale_cyclic";
-    const SUMMARY: &'static str =
-        "periodic error of the linear scale's reading; the probe tells it from `pitch_cyclic`";
+    const SUMMARY: &'static str = "periodic error of the linear scale's reading; a tool-point probe distinguishes it from `pitch_cyclic`";
     const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
 
     harmonic_effect!(amplitude_um, Unit::Micrometre, step 0.1, limit 1e3, period fitted_period_mm);

@@ -23,7 +23,7 @@ impl ScaleGain {
 
 impl EffectModel for ScaleGain {
     const NAME: &'static str = "scale_gain";
-    const SUMMARY: &'static str = "reading of the linear scale = (1 + gain) × table position; the probe tells it from `pitch_progressive`";
+    const SUMMARY: &'static str = "reading of the linear scale = (1 + gain) × table position; a tool-point probe distinguishes it from `pitch_progressive`";
     const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
 
     slope!(um_per_m);

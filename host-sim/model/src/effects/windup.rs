@@ -44,7 +44,7 @@ impl EffectModel for Windup {
         if !axis.has_mass() {
             return Prerequisite::NotApplicable;
         }
-        Prerequisite::needs(!axis.is_rigid(), "stiffness_n_per_um in the machine file")
+        Prerequisite::elastic(axis)
     }
 
     fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {

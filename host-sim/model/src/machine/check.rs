@@ -211,7 +211,10 @@ impl Context<'_> {
         let mechanics = &self.settings.mechanics;
         let masses = [("motor_mass_kg", mechanics.motor_mass_kg), ("table_mass_kg", mechanics.table_mass_kg)];
         let massless = masses.iter().find(|(_, mass)| mass.unwrap_or(0.0) <= 0.0);
-        if let (Some((key, _)), false) = (massless, self.settings.is_rigid()) {
+        // With both masses unknown, the stiffness says nothing yet; with one of them, the other one was forgotten.
+        let is_divided =
+            mechanics.stiffness_n_per_um.is_some() && masses.iter().any(|(_, mass)| mass.is_some());
+        if let (Some((key, _)), true) = (massless, is_divided) {
             return Err(self.refuse(key, "a mass above 0, as stiffness_n_per_um is given"));
         }
         let presliding = mechanics.presliding_stiffness_n_per_um;

@@ -314,7 +314,7 @@ mod tests {
         let text = "name = 'm'\nsample_rate_hz = 1000.0\n[axis.a]\n[axis.b]\nlead_mm = 5.0\n[axis.x]\n";
         let units = [("a", Unit::Degree), ("b", Unit::Degree), ("x", Unit::Millimetre)];
         let axes = units.map(|(name, unit)| AxisLog::new(name, unit)).to_vec();
-        let log = Log { source: "log.csv".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes };
+        let log = Log::new("log.csv", 0.0, 1e-3, axes);
         let named = Machine::parse(text, "m.toml").unwrap().named_as_logs([&log]);
         let names = named.axis.values().map(|axis| axis.settings.names);
         assert!(names.eq([KeyNames::Rotary, KeyNames::Linear, KeyNames::Linear]));

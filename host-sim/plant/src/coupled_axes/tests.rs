@@ -29,7 +29,7 @@ fn run(machine: &str, feed_m_per_s: f64, turns: f64) -> (Machine, Log) {
     (machine, log)
 }
 
-/// Samples of a slow half circle, forth and back: on the machine as it is, and with keys and effects of x; while x
+/// Samples of a slow half circle, out and back: on the machine as it is, and with keys and effects of x; while x
 /// moves forwards, and backwards. A sample is table − motor (µm), force (N) and motor (mm).
 fn samples(keys: &str, effect: &str) -> [[Vec<[f64; 3]>; 2]; 2] {
     let with = MACHINE.replacen("[axis.x]", &format!("[axis.x]\n{keys}"), 1) + effect;

@@ -178,12 +178,12 @@ impl ClosedLoop<'_> {
             }
             axis
         };
-        Log {
-            source: "simulation".to_owned(),
-            start_s: self.start_s,
-            sample_time_s: 1.0 / self.machine.sample_rate_hz,
-            axes: self.machine.axis.iter().map(axis).collect(),
-        }
+        Log::new(
+            "simulation",
+            self.start_s,
+            1.0 / self.machine.sample_rate_hz,
+            self.machine.axis.iter().map(axis),
+        )
     }
 }
 

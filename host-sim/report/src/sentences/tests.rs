@@ -7,6 +7,7 @@ use trace::fit::fit_data::FitAndValidationRms;
 fn one_of_each() -> Vec<Effect> {
     let axis = Settings {
         mechanics: Mechanics {
+            motor_mass_kg: Some(20.0),
             table_mass_kg: Some(100.0),
             stiffness_n_per_um: Some(200.0),
             coulomb_n: Some(20.0),

@@ -29,6 +29,10 @@ pub enum Action {
     LoseScale,
     /// The x scale has its signal again.
     RestoreScale,
+    /// The x motor has cogging.
+    AddCogging,
+    /// The x motor has no cogging.
+    RemoveCogging,
     /// End the emulator, as a board without supply: what was saved is kept in its flash.
     End,
     /// End the emulator and erase its flash: the next start is that of a new board.
@@ -58,6 +62,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Action::ThawScale => (b'm', "The scale of x works."),
         Action::LoseScale => (b'l', "The scale of x has no signal."),
         Action::RestoreScale => (b'g', "The scale of x has its signal."),
+        Action::AddCogging => (b'w', "The x motor has cogging."),
+        Action::RemoveCogging => (b'n', "The x motor has no cogging."),
         Action::End => (END, "The emulator has ended."),
         Action::EraseFlash => (END, "The emulator has ended, and its flash is erased."),
     };

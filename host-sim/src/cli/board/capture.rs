@@ -150,12 +150,7 @@ pub fn write_log(out: &Path, sample_time_s: f64, samples: &[[AxisSample; AXES]])
         }
         axis
     };
-    let head = Log {
-        source: "board".to_owned(),
-        start_s: 0.0,
-        sample_time_s,
-        axes: AXIS_NAMES.iter().map(axis).collect(),
-    };
+    let head = Log::new("board", 0.0, sample_time_s, AXIS_NAMES.iter().map(axis));
     write_rows(out, &head, |rows| {
         for sample in samples {
             rows.row(sample.iter().flat_map(|axis| {

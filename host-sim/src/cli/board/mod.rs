@@ -1,14 +1,17 @@
 //! `lost-motion board`: the commands for a servo board, one file each. `record` is a command of its own.
 
+pub mod anticogging;
 pub mod bench;
 pub mod capture;
 mod consent;
 pub mod direction;
+pub mod feed_override;
 pub mod jog;
 pub mod monitor;
 pub mod port;
 pub mod ports;
 pub mod record;
+pub mod response;
 pub mod simple;
 pub mod status;
 pub mod upload;
@@ -43,6 +46,12 @@ pub enum Verb {
     Resume(simple::Arguments),
     /// Decelerate along the path, also that of another program at the port, and discard the rest of it.
     Stop(simple::Arguments),
+    /// Feed override: let what runs, also for another program at the port, run at 0 to 200 % of its planned speed.
+    Override(feed_override::Arguments),
+    /// Measure the frequency response of an axis at rest with a small force: plant, loops, margins, resonances.
+    Response(response::Arguments),
+    /// Learn the cogging of a motor from slow passes, as a compensation file.
+    Anticogging(anticogging::Arguments),
     /// Print a line about the board at intervals.
     Monitor(monitor::Arguments),
     /// Record every tick in the memory of the board and write the log.
@@ -69,6 +78,9 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Hold(arguments) => simple::hold(arguments),
         Verb::Resume(arguments) => simple::resume(arguments),
         Verb::Stop(arguments) => simple::stop(arguments),
+        Verb::Override(arguments) => feed_override::run(arguments),
+        Verb::Response(arguments) => response::run(arguments),
+        Verb::Anticogging(arguments) => anticogging::run(arguments),
         Verb::Monitor(arguments) => monitor::run(arguments),
         Verb::Capture(arguments) => capture::run(arguments),
         Verb::Bench(arguments) => bench::run(arguments),

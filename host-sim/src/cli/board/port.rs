@@ -24,6 +24,11 @@ pub struct PortArguments {
 }
 
 impl PortArguments {
+    /// The port as it was given.
+    pub fn name(&self) -> &str {
+        &self.port
+    }
+
     /// Opens a session with the board.
     ///
     /// # Errors

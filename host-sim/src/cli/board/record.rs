@@ -24,11 +24,11 @@ use shared::link::halt::Halt;
 use shared::link::message::{AXES, MOTION_BLOCKS, Request};
 use shared::link::refusal::Refusal;
 
-/// The machine file of the emulated board, used without `--machine`.
-pub const BENCH_MACHINE: &str = include_str!("../../../machines/bench.toml");
+/// The machine file of the emulated board.
+const BENCH_MACHINE: &str = include_str!("../../../machines/bench.toml");
 
 /// Its name in messages.
-pub const BENCH_MACHINE_FILE: &str = "machines/bench.toml";
+const BENCH_MACHINE_FILE: &str = "machines/bench.toml";
 
 /// Speed of the way to the start of the motion, m/s.
 const APPROACH_M_PER_S: f64 = 0.02;
@@ -37,7 +37,18 @@ const APPROACH_M_PER_S: f64 = 0.02;
 const APPROACH_M_PER_S2: f64 = 0.2;
 
 /// Distance from the start of the motion at which the axes are there, m.
-const AT_START_M: f64 = 1e-9;
+pub(super) const AT_START_M: f64 = 1e-9;
+
+/// The machine file with whose settings the board runs, and its name in messages; without a path, that of the emulated board.
+///
+/// # Errors
+/// A file that cannot be read, or is not valid.
+pub fn machine_of(path: Option<&Path>) -> Result<(Machine, String), InputError> {
+    match path {
+        Some(path) => Ok((Machine::read(path)?, path.display().to_string())),
+        None => Ok((Machine::parse(BENCH_MACHINE, BENCH_MACHINE_FILE)?, BENCH_MACHINE_FILE.to_owned())),
+    }
+}
 
 /// A motion for a board.
 pub struct Recording<'a> {
@@ -118,7 +129,7 @@ fn place(at_m: &[f64]) -> String {
 }
 
 /// The rate of the velocity loop has to be the tick rate of the board, as for an upload.
-fn check_ticks(machine: &Machine, machine_file: &str, tick_hz: f64) -> Result<(), InputError> {
+pub(super) fn check_ticks(machine: &Machine, machine_file: &str, tick_hz: f64) -> Result<(), InputError> {
     let found_hz = machine.rates().velocity_loop_hz;
     if found_hz.to_bits() == tick_hz.to_bits() {
         return Ok(());
@@ -128,7 +139,7 @@ fn check_ticks(machine: &Machine, machine_file: &str, tick_hz: f64) -> Result<()
 }
 
 /// Ticks per row of the log.
-fn decimation(machine: &Machine, machine_file: &str, tick_hz: f64) -> Result<u32, InputError> {
+pub(super) fn decimation(machine: &Machine, machine_file: &str, tick_hz: f64) -> Result<u32, InputError> {
     let ticks = tick_hz / machine.sample_rate_hz;
     if ticks < 1.0 || (ticks - ticks.round()).abs() > 1e-9 {
         let expected = format!("a divisor of the board's {tick_hz} ticks per second");
@@ -157,7 +168,7 @@ fn approach(client: &mut Client, start_m: &[f64], motion_file: &str) -> Result<S
 }
 
 /// Runs the motion that was sent, and collects the samples from its start to its end.
-fn run_and_stream(
+pub(super) fn run_and_stream(
     client: &mut Client,
     blocks: usize,
     decimation: u32,

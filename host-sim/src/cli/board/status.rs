@@ -6,6 +6,7 @@ use super::port::PortArguments;
 use crate::cli::outputs::print;
 use ::board::refusal::{self, AXIS_NAMES};
 use shared::interpolate::feed_hold::FeedState;
+use shared::link::feed_override::FeedOverride;
 use shared::link::report::{Activity, DirectionReport, UsbState};
 use shared::link::{Status, Welcome};
 use shared::safety::Power;
@@ -121,6 +122,18 @@ pub fn power(status: &Status) -> String {
     }
 }
 
+/// The feed override, if it is not 100 %.
+fn feed_override(status: &Status) -> String {
+    let FeedOverride { percent, most_percent } = status.feed_override;
+    if status.activity == Activity::Idle || percent == 100 {
+        String::new()
+    } else if percent > most_percent {
+        format!(" at {most_percent} % (override {percent} %, limited by speed or acceleration)")
+    } else {
+        format!(" at {percent} %")
+    }
+}
+
 /// What the path does, in words.
 pub fn path(status: &Status) -> String {
     let what = match status.activity {
@@ -128,7 +141,9 @@ pub fn path(status: &Status) -> String {
         Activity::Motion => "motion",
         Activity::Jog => "jog",
         Activity::Homing => "homing",
+        Activity::Response => "frequency response",
     };
+    let what = &(what.to_owned() + &feed_override(status));
     match status.feed {
         FeedState::Running => what.to_owned(),
         FeedState::Holding => format!("{what}, being held"),

@@ -27,7 +27,7 @@ pub enum Motion {
     Corner,
     /// Ten steps of 1 µm up and ten down, 1 m from the origin.
     Steps,
-    /// 10 µm forth and back at 1 µm/s, 1 m from the origin.
+    /// 10 µm out and back at 1 µm/s, 1 m from the origin.
     Creep,
     /// Circles for a day.
     LongRun,

@@ -97,7 +97,7 @@ mod tests {
         let read = |mm: f64| (mm / resolution_mm).round() * resolution_mm;
         x.motor = Some((0..2000).map(|i| read(5.0 * (6.0 * time(i)).sin() + noise(i))).collect());
         x.force = Some((0..2000).map(|i| 50.0 * (6.0 * time(i)).cos() + noise(i)).collect());
-        Log { source: "l.csv".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![x] }
+        Log::new("l.csv", 0.0, 1e-3, [x])
     }
 
     fn without(log: &Log, drops: impl Fn(usize) -> bool) -> Log {

@@ -58,7 +58,7 @@ mod tests {
         let mut y = AxisLog::new("y", unit);
         y.motor = Some(vec![1.0; x.motor.as_ref().unwrap().len()]);
         let axes = vec![x, y];
-        Log { source: source.to_owned(), start_s: 0.0, sample_time_s: 1.0 / rate_hz, axes }
+        Log::new(source, 0.0, 1.0 / rate_hz, axes)
     }
 
     /// Both steps of the admission.
@@ -93,15 +93,30 @@ mod tests {
         );
     }
 
+    /// Between samples 0.67 ms apart, a sine of 5 mm and 6 rad/s is a cubic within its fourth derivative: 5·6⁴·(0.67e-3)⁴·(9/16)/24 = 3e-11 mm.
     #[test]
-    fn other_rates_are_refused_with_the_reason() {
-        let message = |rate| refused(&[log("l.csv", rate, Unit::Millimetre)], &[]);
-        assert!(message(1500.0).ends_with("not a whole multiple"), "{}", message(1500.0));
-        assert!(
-            message(500.0).ends_with("too few; sample_rate_hz can be set to the rate of the log"),
-            "{}",
-            message(500.0)
-        );
+    fn a_log_of_another_higher_rate_is_resampled_and_this_is_noted() {
+        let given = log("l.csv", 1500.0, Unit::Millimetre);
+        let admitted =
+            admit(&machine(), std::slice::from_ref(&given), &[], &AdmissionOptions::default()).unwrap();
+        let said = "l.csv: sampled at 1500.000000 Hz and resampled at 1000 Hz";
+        assert!(admitted.notes[0].starts_with(said) && admitted.notes[0].contains("set sample_rate_hz"));
+        let log = &admitted.examined.logs[0][0];
+        assert_eq!((log.len(), log.sample_time_s), (1000, 1e-3));
+        for (i, x) in (0_u32..).zip(log.axes[0].motor.as_ref().unwrap()) {
+            assert!((x - 5.0 * (6e-3 * f64::from(i)).sin()).abs() < 1e-10, "{i}: {x}");
+        }
+    }
+
+    #[test]
+    fn a_lower_rate_is_refused_with_the_key() {
+        for rate in [700.0, 500.0] {
+            let message = refused(&[log("l.csv", rate, Unit::Millimetre)], &[]);
+            assert!(
+                message.ends_with("too few; sample_rate_hz can be set to the rate of the log"),
+                "{message}"
+            );
+        }
     }
 
     #[test]

@@ -26,7 +26,7 @@ pub struct FreeRun {
     pub runs: usize,
     /// Error of the declared model over all runs, µm or mdeg rms; written with the unit in its key.
     pub declared: f64,
-    /// Error of the model with the effects found over all runs, likewise.
+    /// Error of the model with the effects found over all runs, in the same unit.
     pub after: f64,
 }
 
@@ -117,7 +117,7 @@ mod tests {
         let mut log = AxisLog::new("x", Unit::Millimetre);
         log.motor = Some((0..2001).map(|i| 1e3 * at(1e-3 * f64::from(i))).collect());
         log.force = Some(vec![50.0; 2001]);
-        let log = Log { source: "test".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![log] };
+        let log = Log::new("test", 0.0, 1e-3, [log]);
         let signals = Signals::new(&log, &["x".to_owned()], &SampleOptions::default());
         let runs = free_runs("x", &axis(102.0), &axis(100.0), &[(&signals.axes[0], 1e-3)]);
         // Over a run of duration T, the mean of x² is (a·T²/2)²/5.

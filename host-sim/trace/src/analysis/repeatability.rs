@@ -117,7 +117,7 @@ mod tests {
         let mut axis = AxisLog::new("x", Unit::Millimetre);
         axis.command = Some((0..11_000).map(|i| 1e3 * command(i)).collect());
         axis.motor = axis.command.clone();
-        let log = Log { source: "test".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] };
+        let log = Log::new("test", 0.0, 1e-3, [axis]);
         let names = ["x".to_owned()];
         let options = TraceOptions::default();
         let logs = [Signals::new(&log, &names, &options.samples)];

@@ -177,7 +177,7 @@ mod tests {
         let mut axis = AxisLog::new("x", Unit::Millimetre);
         let at = |i: u32| 50.0 * (f64::from(i) * 1e-3 * 0.7).sin();
         axis.table = Some((0..10_000).map(at).collect());
-        let log = Log { source: "test".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] };
+        let log = Log::new("test", 0.0, 1e-3, [axis]);
         Signals::new(&log, &["x".to_owned()], &TraceOptions::default().samples)
     }
 

@@ -52,10 +52,8 @@ pub fn interpolate_lost_rows<'a>(
         let mut findings = Findings::default();
         // A log whose rows are all repeated is left out or refused by `examine`.
         if rate::repeated(&log).is_none() {
-            // The filter, and a second difference of its output.
-            let margin = samples(&log, options.samples.smoothing_s + machine_sample_s);
-            let settling = samples(&log, options.samples.settling_s);
-            repeated_rows::correct(&mut log, [margin, settling], &mut findings);
+            let margins = margins(&log, machine_sample_s, options);
+            repeated_rows::correct(&mut log, margins, &mut findings);
         }
         (log, findings)
     };
@@ -65,6 +63,23 @@ pub fn interpolate_lost_rows<'a>(
         examined.add(set, results);
     }
     examined
+}
+
+/// Number of neighbours of a short and of a long gap that are excluded with it.
+fn margins(log: &Log, machine_sample_s: f64, options: &TraceOptions) -> [usize; 2] {
+    // The filter, and a second difference of its output.
+    let margin_s = options.samples.smoothing_s + machine_sample_s;
+    [margin_s, options.samples.settling_s].map(|seconds| samples(log, seconds))
+}
+
+/// Excludes the samples of logs at the rate of the machine for which their file had no row.
+pub fn exclude_interpolated(machine: &Machine, examined: &mut Examined<'_>, options: &TraceOptions) {
+    for log in examined.logs.iter_mut().flatten() {
+        let margins = margins(log, 1.0 / machine.sample_rate_hz, options);
+        let mut findings = Findings::default();
+        repeated_rows::exclude_interpolated(log, margins, &mut findings);
+        examined.excluded.extend(findings.excluded);
+    }
 }
 
 /// Examines logs at the rate of the machine, whose lost rows are interpolated.

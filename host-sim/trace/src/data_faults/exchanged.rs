@@ -80,7 +80,7 @@ mod tests {
             axis
         };
         let axes = vec![axis("x", 0.0, &POSITIONS), axis("y", phase, &POSITIONS)];
-        Log { source: "l".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes }
+        Log::new("l", 0.0, 1e-3, axes)
     }
 
     fn exchange(log: &mut Log, channel: Channel) {

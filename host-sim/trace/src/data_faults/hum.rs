@@ -166,7 +166,7 @@ mod tests {
             &|i| 200.0 * acceleration(i) + 50.0 * (at(i + 1) - at(i)).signum(),
             3.5,
         ));
-        Log { source: "l".to_owned(), start_s: 5.0, sample_time_s: 1e-3, axes: vec![axis] }
+        Log::new("l", 5.0, 1e-3, [axis])
     }
 
     fn corrected(log: &Log) -> (Cow<'_, Log>, Vec<DataFault>) {

@@ -35,5 +35,5 @@ pub mod stuck;
 pub mod stuck_force;
 pub mod unit;
 
-pub use examine::{Examined, examine, interpolate_lost_rows};
+pub use examine::{Examined, examine, exclude_interpolated, interpolate_lost_rows};
 pub use fault::{DataFault, FaultHandling, FaultKind};

@@ -66,7 +66,7 @@ mod tests {
         let at = |i: u32| (30.0 * (1e-3 * f64::from(i)).sin() / resolution_mm).round() * resolution_mm;
         axis.motor = Some((0..4000).map(|i| at(i / every * every)).collect());
         axis.table = Some((0..4000).map(|i| at(i / every * every + 1)).collect());
-        Log { source: "l".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] }
+        Log::new("l", 0.0, 1e-3, [axis])
     }
 
     #[test]

@@ -140,12 +140,34 @@ pub fn correct(log: &mut Cow<'_, Log>, [margin, settling]: [usize; 2], findings:
             };
             findings.exclude_stages(&place, range, margin, ALL_STAGES);
         }
-        interpolate_axis(log.to_mut(), axis, ranges);
+        interpolate_axis(log.to_mut(), axis, ranges, is_constant);
     }
 }
 
-/// Interpolates the channels of an axis over lost rows.
-fn interpolate_axis(log: &mut Log, axis: usize, ranges: &[Range<usize>]) {
+/// Excludes rows that were interpolated when the file was read, with what a filter and a second difference make of them, and interpolates them again
+/// by cubics, as a straight line has corners. A jump of the force between two rows is lost: its acceleration is wrong beside the row.
+pub fn exclude_interpolated(log: &mut Cow<'_, Log>, [margin, settling]: [usize; 2], findings: &mut Findings) {
+    let ranges = log.interpolated.clone();
+    if ranges.is_empty() {
+        return;
+    }
+    for axis in 0..log.axes.len() {
+        let place = ChannelLocation { log, axis, channel: Channel::Motor };
+        for range in &ranges {
+            let margin = if range.len() < MIN_LONG { margin } else { settling };
+            findings.exclude_stages(&place, range, margin, ALL_STAGES);
+        }
+        interpolate_axis(log.to_mut(), axis, &ranges, |_, _| true);
+    }
+}
+
+/// Interpolates the channels of an axis over lost rows, where `is_lost_in` holds for the values of the channel and the range.
+fn interpolate_axis(
+    log: &mut Log,
+    axis: usize,
+    ranges: &[Range<usize>],
+    is_lost_in: impl Fn(&[f64], &Range<usize>) -> bool,
+) {
     let mut is_lost = vec![false; log.len()];
     for range in ranges {
         is_lost[range.clone()].fill(true);
@@ -154,7 +176,7 @@ fn interpolate_axis(log: &mut Log, axis: usize, ranges: &[Range<usize>]) {
         let Some(values) = log.axes[axis].channel_mut(channel).as_mut() else { continue };
         let resolution = Accuracy::of(values).resolution;
         for range in ranges {
-            if let Some(knots) = knots(range, &is_lost).filter(|_| is_constant(values, range)) {
+            if let Some(knots) = knots(range, &is_lost).filter(|_| is_lost_in(values, range)) {
                 interpolate(values, range, knots, resolution);
             }
         }
@@ -203,7 +225,7 @@ mod tests {
         axis.command = Some((0..5000).map(at).collect());
         axis.motor = Some((0..5000).map(|i| read(at(i))).collect());
         axis.table = Some((0..5000).map(|i| read(at(i) + 0.1)).collect());
-        Log { source: "l".to_owned(), start_s: 10.0, sample_time_s: 1e-3, axes: vec![axis] }
+        Log::new("l", 10.0, 1e-3, [axis])
     }
 
     /// The log with rows replaced by the row before them.
@@ -290,6 +312,33 @@ mod tests {
         // Only the gap of ten rows spoils its neighbours: 22 samples.
         let excluded_s: f64 = findings.excluded.iter().map(|e| e.to_s - e.from_s).sum();
         assert!((excluded_s - 0.026).abs() < 1e-9, "{excluded_s}");
+    }
+
+    /// A row that the file does not have is excluded with the margin on both sides, 2·6 + 1 samples, a long gap with the settling of 300, and the
+    /// values between are those of a cubic: off by at most L/8 of the errors of both slopes, a step per row each: 26/8·2 = 6.5 steps, and the rounding. What was measured is
+    /// unchanged.
+    #[test]
+    fn rows_that_the_file_does_not_have_are_excluded_with_their_neighbours() {
+        let sound = log();
+        let mut broken = Log { interpolated: vec![700..701, 2000..2025], ..log() };
+        broken.axes[0].motor.as_mut().unwrap()[700] += 0.5;
+        let (mut log, mut findings) = (Cow::Borrowed(&broken), Findings::default());
+        exclude_interpolated(&mut log, [6, 300], &mut findings);
+        assert!(findings.faults.is_empty());
+        let excluded_ms: Vec<f64> = findings.excluded.iter().map(|e| 1e3 * (e.to_s - e.from_s)).collect();
+        assert!(
+            (excluded_ms[0] - 13.0).abs() < 1e-6 && (excluded_ms[1] - 625.0).abs() < 1e-6,
+            "{excluded_ms:?}"
+        );
+        // The log starts at 10 s.
+        assert!((findings.excluded[0].from_s - (10.7 - 0.0065)).abs() < 1e-9);
+        for (row, (own, truth)) in
+            log.axes[0].motor.iter().flatten().zip(sound.axes[0].motor.iter().flatten()).enumerate()
+        {
+            let is_gap = broken.interpolated.iter().any(|range| range.contains(&row));
+            let most = if is_gap { 8.0 * RESOLUTION_MM } else { 0.0 };
+            assert!((own - truth).abs() <= most, "{row}: {own} {truth}");
+        }
     }
 
     #[test]

@@ -106,7 +106,7 @@ mod tests {
         let mut axis = AxisLog::new("x", Unit::Millimetre);
         axis.table = Some(shifted(&motor, -late));
         axis.motor = Some(motor);
-        Log { source: "l".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] }
+        Log::new("l", 0.0, 1e-3, [axis])
     }
 
     #[test]

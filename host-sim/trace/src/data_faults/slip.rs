@@ -161,7 +161,7 @@ mod tests {
             let noisy = values.iter().zip(noise(values.len(), seed)).map(|(mm, noise)| mm + 5e-5 * noise);
             *axis.channel_mut(channel) = Some(noisy.collect());
         }
-        Log { source: "l".to_owned(), start_s: 100.0, sample_time_s: 1e-3, axes: vec![axis] }
+        Log::new("l", 100.0, 1e-3, [axis])
     }
 
     fn corrected(log: &Log, channel: Channel) -> (Findings, Vec<f64>) {

@@ -159,7 +159,7 @@ mod tests {
         let mut axis = AxisLog::new("x", Unit::Millimetre);
         axis.table = Some(table.map(read).collect());
         axis.motor = Some(motor.into_iter().map(read).collect());
-        Log { source: "l".to_owned(), start_s: 10.0, sample_time_s: 1e-3, axes: vec![axis] }
+        Log::new("l", 10.0, 1e-3, [axis])
     }
 
     fn found(log: &Log) -> (Findings, Vec<f64>, bool) {

@@ -131,7 +131,7 @@ mod tests {
         axis.motor = Some((0..3000).map(|i| 20.0 * angle(i).sin()).collect());
         let newton = |i: u32| 20.0 * angle(i).cos().signum() - 100.0 * 0.02 * 36.0 * angle(i).sin();
         axis.force = Some((0..3000).map(|i| factor * newton(i)).collect());
-        let log = Log { source: "l".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] };
+        let log = Log::new("l", 0.0, 1e-3, [axis]);
         let mut log = Cow::Owned(log);
         let mut findings = Findings::default();
         correct_forces(&machine, &mut log, &TraceOptions::default(), &mut findings);

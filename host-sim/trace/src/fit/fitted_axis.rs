@@ -82,7 +82,7 @@ impl FittedAxis {
         self.half_widths_by(index, |_, fitted| covariance(data, fitted))
     }
 
-    /// The same, with the uncertainty of what an earlier fit determined: see [`crate::fit::upstream`].
+    /// These values with the uncertainty of what an earlier fit determined: see [`crate::fit::upstream`].
     #[must_use]
     pub fn full_half_widths(&self, data: &FitData<'_>, index: usize) -> Vec<f64> {
         self.half_widths_by(index, |scope, fitted| {

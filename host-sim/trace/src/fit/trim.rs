@@ -59,10 +59,11 @@ pub const FIRST_DRIVES: [[f64; 2]; 4] = [[3.0, 0.0], [10.0, 0.0], [10.0, 30.0], 
 /// Longest dead time of a drive whose velocity or position is commanded, in samples.
 const LONGEST_DEAD_TIME: f64 = 10.0;
 
-/// Delay of each instant, s; negative: early.
+/// Values of all instants.
 #[derive(Clone, Debug, Default)]
 pub struct Trims {
-    late_s: [f64; 10],
+    /// Each in thousands of the unit of its key: a delay in s, as its key is in ms (negative: early), a rate in 1/ms, an acceleration in km/s².
+    values: [f64; 10],
 }
 
 impl Instant {
@@ -125,8 +126,8 @@ impl Instant {
         }
     }
 
-    /// Smallest and largest delay, s. The motor of a stepper may be its command, from which table and tool are as late as its dead time.
-    fn bounds_s(self, drive: Drive, rates: Rates, options: &ModelOptions) -> [f64; 2] {
+    /// Smallest and largest value, in the unit of [`Trims`]: of a delay, s. The motor of a stepper may be its command, from which table and tool are as late as its dead time.
+    fn bounds(self, drive: Drive, rates: Rates, options: &ModelOptions) -> [f64; 2] {
         let tick_s = 1.0 / rates.velocity_loop_hz;
         let sample_s = tick_s * f64::from(rates.position_loop_divider);
         let dead_time_s = LONGEST_DEAD_TIME * sample_s;
@@ -194,9 +195,9 @@ impl Trims {
         let mut offsets = axis.log_offsets.unwrap_or_default();
         let mut trims = Self::default();
         for instant in Instant::ALL {
-            let [lower, upper] = instant.bounds_s(axis.settings.controller.drive, rates, options);
+            let [lower, upper] = instant.bounds(axis.settings.controller.drive, rates, options);
             let ms = instant.key(&mut offsets).unwrap_or(instant.first_ms(axis.log_offsets.is_some()));
-            trims.late_s[instant as usize] = (1e-3 * ms).clamp(lower, upper);
+            trims.values[instant as usize] = (1e-3 * ms).clamp(lower, upper);
         }
         trims
     }
@@ -204,7 +205,7 @@ impl Trims {
     /// Writes the trims that are not zero and not replaced by an effect.
     pub fn write(&self, axis: &Axis, offsets: &mut LogOffsets) {
         for instant in Instant::ALL {
-            let ms = 1e3 * self.late_s[instant as usize];
+            let ms = 1e3 * self.values[instant as usize];
             let is_replaced = axis.effect.iter().any(|effect| instant.is_replaced_by(effect));
             *instant.key(offsets) = (ms != 0.0 && !is_replaced).then_some(ms);
         }
@@ -222,7 +223,7 @@ impl Trims {
     ) -> Vec<(Instant, Coordinate, f64)> {
         let coordinate = |instant: Instant| {
             let drive = axis.settings.controller.drive;
-            let [lower, upper] = instant.bounds_s(drive, rates, options).map(|s| 1e3 * s);
+            let [lower, upper] = instant.bounds(drive, rates, options).map(|s| 1e3 * s);
             let bound = upper.max(-lower);
             // The effect is the lag itself; that the force acts early is not part of it.
             let is_lag =
@@ -232,7 +233,7 @@ impl Trims {
             let coordinate = if axis.effect.iter().any(|effect| instant.is_replaced_by(effect)) {
                 Coordinate::between(0.0, step, 0.0, 0.0)
             } else {
-                Coordinate::between((1e3 * self.late_s[instant as usize]).min(upper), step, lower, upper)
+                Coordinate::between((1e3 * self.values[instant as usize]).min(upper), step, lower, upper)
             };
             (instant, coordinate, options.trim_prior * bound)
         };
@@ -253,7 +254,7 @@ impl Trims {
 
     /// Sets the delay of an instant, ms.
     pub fn set_ms(&mut self, instant: Instant, ms: f64) {
-        self.late_s[instant as usize] = 1e-3 * ms;
+        self.values[instant as usize] = 1e-3 * ms;
     }
 
     /// The simulation parameters of an axis with these trims.
@@ -267,19 +268,19 @@ impl Trims {
         ];
         for (instant, channel) in channels {
             if open(instant) {
-                parameters.add_latency(channel, self.late_s[instant as usize]);
+                parameters.add_latency(channel, self.values[instant as usize]);
             }
         }
         if open(Instant::Speed) {
-            parameters.servo.lag.ms += 1e3 * self.late_s[Instant::Speed as usize];
+            parameters.servo.lag.ms += 1e3 * self.values[Instant::Speed as usize];
         }
-        parameters.servo.drive_late_s += self.late_s[Instant::Drive as usize];
-        parameters.servo.filter_step_s = self.late_s[Instant::Filter as usize];
+        parameters.servo.drive_late_s += self.values[Instant::Drive as usize];
+        parameters.servo.filter_step_s = self.values[Instant::Filter as usize];
         parameters.servo.velocity_drive = VelocityDrive {
-            time_constant_s: self.late_s[Instant::VelocityTimeConstant as usize],
-            integral_per_s: 1e3 * self.late_s[Instant::VelocityIntegral as usize],
-            dead_time_s: self.late_s[Instant::DeadTime as usize],
-            friction_m_per_s2: 1e3 * self.late_s[Instant::VelocityFriction as usize],
+            time_constant_s: self.values[Instant::VelocityTimeConstant as usize],
+            integral_per_s: 1e3 * self.values[Instant::VelocityIntegral as usize],
+            dead_time_s: self.values[Instant::DeadTime as usize],
+            friction_m_per_s2: 1e3 * self.values[Instant::VelocityFriction as usize],
         };
         parameters
     }
@@ -325,7 +326,7 @@ mod tests {
     fn the_lag_of_the_drive_is_fitted_only_if_it_may_exceed_the_age_of_the_velocity() {
         let upper_s = |tick_s: f64| {
             let rates = Rates { velocity_loop_hz: 1.0 / tick_s, position_loop_divider: 1 };
-            Instant::Drive.bounds_s(Drive::Torque, rates, &ModelOptions::default())[1]
+            Instant::Drive.bounds(Drive::Torque, rates, &ModelOptions::default())[1]
         };
         assert_eq!(
             [0.59e-3, 0.61e-3].map(|tick_s| upper_s(tick_s).to_bits()),

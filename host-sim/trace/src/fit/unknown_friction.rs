@@ -17,8 +17,7 @@ pub fn unknown_motor_friction(
     let shows_it = scope.mechanics == Mechanics::All
         && [Stage::Table, Stage::Force].iter().all(|stage| scope.stages.contains(stage));
     let is_unknown = mechanics.motor_coulomb_n.is_none()
-        && mechanics.motor_mass_kg.is_some()
-        && mechanics.stiffness_n_per_um.is_some()
+        && mechanics.spring_n_per_um().is_some()
         && mechanics.plant_tolerance_percent.is_some_and(|percent| percent > 0.0);
     let spread_n = mechanics.coulomb_n.filter(|&force_n| force_n > 0.0 && shows_it && is_unknown)?;
     let value_n = value_n.unwrap_or(0.0);

@@ -222,7 +222,7 @@ mod tests {
         let mut axis = AxisLog::new("x", Unit::Millimetre);
         let at = |i: usize| if (i / 1000).is_multiple_of(2) { (0.02 * i as f64).sin() } else { 0.0 };
         axis.motor = Some((0..count).map(at).collect());
-        Log { source: "l.csv".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] }
+        Log::new("l.csv", 0.0, 1e-3, [axis])
     }
 
     #[test]

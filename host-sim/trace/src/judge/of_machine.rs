@@ -12,5 +12,5 @@ use crate::task::Job;
 pub fn judge_together(job: &Job<'_>, repaired: &Repaired<'_>, axes: Vec<AxisFindings>) -> Findings {
     let searched = Findings { axes, notes: Vec::new() };
     let Findings { axes, notes } = with_all_samples(job, repaired, searched);
-    Findings { axes: alignment::decide(&repaired.signals[0], axes, &job.options.search), notes }
+    Findings { axes: alignment::decide(&repaired.signals[0], axes, &job.options.search, job.progress), notes }
 }

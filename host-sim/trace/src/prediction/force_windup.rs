@@ -61,7 +61,7 @@ mod tests {
             position(t - 0.003) - 1e-3 * windup_mdeg(torque(t - 0.003), speed(t - 0.003).signum()) + 0.05
         };
         axis.table = Some(times.iter().map(|&t| late(t) + 1e-4 * noise()).collect());
-        let log = Log { source: "r.csv".to_owned(), start_s: 0.0, sample_time_s: 0.004, axes: vec![axis] };
+        let log = Log::new("r.csv", 0.0, 0.004, [axis]);
         trace(&machine, &[log], &[], &|_| {}).unwrap()
     }
 

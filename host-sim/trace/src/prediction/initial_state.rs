@@ -95,7 +95,7 @@ mod tests {
         axis.command = Some(vec![5.0; 1000]);
         axis.motor = Some((0..1000).map(|i| position(i) + noise(i)).collect());
         axis.table = Some((0..1000).map(|i| position(i) + 2e-3 + noise(i)).collect());
-        let log = Log { source: String::new(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] };
+        let log = Log::new("", 0.0, 1e-3, [axis]);
         let options = SampleOptions::default();
         let signals = &Signals::new(&log, &["x".to_owned()], &options).axes[0];
         InitialState::of(signals.command.as_ref().unwrap(), signals, 0.5e-6, &options).unwrap()

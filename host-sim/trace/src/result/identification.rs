@@ -74,14 +74,14 @@ impl AxisIdentification {
     /// What the model leaves of the positions from the command to the tool where it stands out of the noise, µm rms without the noise: each
     /// stage is predicted from the measured one before, so that their squares add. On the validation logs, if there are any.
     fn unexplained_um(&self, is_validated: bool) -> Option<f64> {
-        let stands_out = |of: &&StageResidual| {
+        let is_unexplained = |of: &&StageResidual| {
             of.stage != Stage::Force && self.unexplained.iter().any(|left| left.stage == of.stage)
         };
         let square_um2 = |of: &StageResidual| {
             let rms_um = if is_validated { of.after.validate } else { of.after.fit };
             (rms_um.powi(2) - of.noise.powi(2)).max(0.0)
         };
-        let sum_um2: f64 = self.residuals.iter().filter(stands_out).map(square_um2).sum();
+        let sum_um2: f64 = self.residuals.iter().filter(is_unexplained).map(square_um2).sum();
         (sum_um2 > 0.0 && sum_um2.is_finite()).then(|| sum_um2.sqrt())
     }
 

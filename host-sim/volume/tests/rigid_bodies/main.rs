@@ -9,6 +9,7 @@ mod places;
 use std::fs;
 use std::path::Path;
 
+use import::request::Request;
 use volume::analysis::{Analysis, Verdict};
 use volume::finding::{Finding, Known};
 use volume::sources;
@@ -130,8 +131,37 @@ fn a_circle_in_one_direction_is_refused() {
     let text = fs::read_to_string(&path).unwrap();
     let one: Vec<&str> = text.lines().filter(|line| !line.ends_with(",cw")).collect();
     fs::write(&path, one.join("\n")).unwrap();
-    let error = sources::read(&survey).unwrap_err().to_string();
+    let error = sources::read(&survey, &Request::default()).unwrap_err().to_string();
     assert!(error.contains("circle0.csv: expected a circle in both directions"), "{error}");
+}
+
+/// Tables with names of another program, semicolons and directions in words, with what the user says of their columns, are the measurements from which they were made.
+#[test]
+fn tables_of_another_program_are_mapped() {
+    let machine = square([20.0, 0.0, 0.0], [10.0, 0.0, 0.0]);
+    let folder = tempfile::tempdir().unwrap();
+    let survey = survey(folder.path(), &machine, &few(), 31);
+    let own = sources::read(&survey, &Request::default()).unwrap();
+    let mut circles = 0;
+    for entry in fs::read_dir(folder.path()).unwrap() {
+        let path = entry.unwrap().path();
+        if path.file_name().unwrap().to_str().unwrap().starts_with("circle") {
+            let text = fs::read_to_string(&path).unwrap();
+            let (header, rows) = text.split_once('\n').unwrap();
+            assert_eq!(header, "angle_deg,radius_um,direction");
+            fs::write(&path, format!("Winkel,Abweichung,Richtung\n{rows}").replace(',', ";")).unwrap();
+            circles += 1;
+        }
+    }
+    assert!(circles > 1, "{circles}");
+    assert!(sources::read(&survey, &Request::default()).unwrap_err().to_string().contains("--map"));
+    let mappings = ["angle_deg=Winkel", "radius_um=Abweichung", "direction=Richtung"];
+    let mappings = mappings.map(|text| text.parse().unwrap()).to_vec();
+    let mapped = sources::read(&survey, &Request { mappings, ..Request::default() }).unwrap();
+    let texts = [own, mapped].map(|groups| volume::text::of(&volume::analyse(survey.chain, groups).unwrap()));
+    let results =
+        texts.map(|text| text.lines().filter(|line| !line.contains(".csv")).collect::<Vec<_>>().join("\n"));
+    assert_eq!(results[0], results[1]);
 }
 
 #[test]

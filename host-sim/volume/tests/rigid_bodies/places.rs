@@ -1,5 +1,6 @@
 //! Where a machine is measured, and the result.
 
+use import::request::Request;
 use std::fs;
 use std::path::Path;
 
@@ -94,7 +95,7 @@ pub fn many() -> Places {
 pub fn analysed(machine: &Machine, places: &Places, seed: u64) -> Analysis {
     let folder = tempfile::tempdir().unwrap();
     let survey = survey(folder.path(), machine, places, seed);
-    analyse(survey.chain, sources::read(&survey).unwrap()).unwrap()
+    analyse(survey.chain, sources::read(&survey, &Request::default()).unwrap()).unwrap()
 }
 
 /// The rms over the volume of true errors, µm, and of what the result leaves of them. A displacement and a turn of the whole machine are

@@ -1,6 +1,6 @@
-//! Feed hold of the path: see [`feed_hold`](super::super::feed_hold).
+//! Feed hold and override of the path: see [`feed_hold`](super::super::feed_hold).
 
-use super::super::feed_hold::{FeedHold, FeedState};
+use super::super::feed_hold::{FeedState, rate_of};
 use super::super::planned::PlannedBlock;
 use super::Path;
 
@@ -24,6 +24,21 @@ impl<const N: usize> Path<N> {
         }
     }
 
+    /// Sets the feed override, 0 to [`MOST_PERCENT`](super::super::feed_hold::MOST_PERCENT) of the planned speed. The speed changes with
+    /// the acceleration (per tick² with 16 fraction bits) at most, which is added to that of the block; at rest the override holds at
+    /// once. It remains when the path ends; [`Path::reset`] sets 100 %.
+    pub fn set_override(&mut self, percent: u8, acceleration: u64) {
+        let moves = self.started || self.braking.is_some();
+        let fastest = self.blocks.iter().map(PlannedBlock::feed).max().filter(|_| moves);
+        self.feed_hold.set_override(rate_of(percent), fastest, acceleration);
+    }
+
+    /// The present rate of the time of the path, % of the planned one.
+    #[must_use]
+    pub const fn rate_percent(&self) -> u8 {
+        self.feed_hold.percent()
+    }
+
     /// What the feed hold does.
     #[must_use]
     pub const fn feed_state(&self) -> FeedState {
@@ -40,6 +55,6 @@ impl<const N: usize> Path<N> {
     pub(super) fn discard_rest(&mut self) {
         self.clear_queue();
         self.planned_end = self.position;
-        self.feed_hold = FeedHold::RUNNING;
+        self.feed_hold.rest();
     }
 }

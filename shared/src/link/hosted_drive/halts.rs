@@ -6,25 +6,29 @@ use crate::safety::Power;
 use crate::scalar::Scalar;
 
 impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
-    /// Holds the path, and ends a direction check, which has none.
+    /// Holds the path, and ends a direction check or an excitation, which have none.
     pub fn hold(&mut self) {
         self.system.stop_direction_check();
+        self.end_excitation();
         if self.is_at_rest().is_err() {
             self.machine_mut().hold();
         }
     }
 
-    /// Decelerates and discards the rest of the path and of the motion.
+    /// Decelerates and discards the rest of the path and of the motion. The override ends.
     pub fn stop(&mut self) {
         (self.blocks_left, self.jog_remaining) = (0, None);
         self.system.stop_homing();
+        self.end_excitation();
         self.system.stop_direction_check();
+        self.end_override();
         self.machine_mut().discard_path();
     }
 
-    /// Disables the drives, and ends a direction check. A fault remains until it is acknowledged.
+    /// Disables the drives, and ends a direction check and an excitation. A fault remains until it is acknowledged.
     pub fn disable(&mut self) {
         self.system.stop_direction_check();
+        self.end_excitation();
         if !matches!(self.machine().power(), Power::Faulted(_)) {
             self.machine_mut().disable();
         }

@@ -7,11 +7,12 @@ use crate::safety::{Fault, Power};
 use crate::scalar::Scalar;
 
 impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
-    /// Replaces the settings, at the present positions of the motors.
+    /// Replaces the settings, at the present positions of the motors. For the server alone, which has admitted them
+    /// ([`Envelope`](crate::link::Envelope)).
     ///
     /// # Errors
     /// [`Refusal::DrivesOn`], [`Refusal::Faulted`].
-    pub fn configure(&mut self, config: MachineConfig<S, N>) -> Result<(), Refusal> {
+    pub(in crate::link) fn configure(&mut self, config: MachineConfig<S, N>) -> Result<(), Refusal> {
         self.is_off()?;
         let start = self.readings.map(|reading| reading.motor);
         let references: [_; N] = core::array::from_fn(|axis| self.machine().reference(axis));

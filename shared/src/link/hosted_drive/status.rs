@@ -21,6 +21,8 @@ impl<S: Scalar> HostedDrive<'_, S, AXES> {
             armed: self.system.is_armed(),
             activity: self.activity,
             feed: machine.feed_state(),
+            feed_override: self.feed_override(),
+            rate_percent: machine.rate_percent(),
             at_rest: self.is_at_rest().is_ok(),
             blocks_left: self.blocks_left,
             axes: core::array::from_fn(|axis| AxisStatus {

@@ -3,6 +3,8 @@
 //! A request that takes long, such as the conversion of a table or the planning of a block, is computed outside of
 //! [`SharedDrive::with`]: ticks go on meanwhile.
 
+mod block_limits;
+mod excitation;
 mod motion;
 mod outside;
 mod recording;
@@ -12,7 +14,8 @@ mod upload;
 mod waiting;
 
 use super::HostedDrive;
-use super::message::{AXES, BoardSettings, FromBoard, Reply, Request};
+use super::envelope::AdmittedSettings;
+use super::message::{AXES, FromBoard, Reply, Request};
 use super::packet::{self, Frame, Header, Packet, PacketError, VERSION};
 use super::port::{BytePort, SharedDrive};
 use super::receiver::{LinkCounts, Receiver};
@@ -49,7 +52,7 @@ pub struct Server {
 impl Server {
     /// Without a session. `settings` are those that the machine is configured with.
     #[must_use]
-    pub const fn new(identity: Identity, settings: BoardSettings) -> Self {
+    pub const fn new(identity: Identity, settings: AdmittedSettings) -> Self {
         Self {
             receiver: Receiver::NEW,
             state: ServerState {
@@ -85,7 +88,7 @@ impl Server {
         }
     }
 
-    /// Takes what the port has received, executes requests, sends replies and the stream. To be called again and again. It waits for
+    /// Takes what the port has received, executes requests, sends replies and the stream. To be called repeatedly. It waits for
     /// the flash only, with the drives off.
     ///
     /// A halt is executed as soon as it has been received, also while the port takes no bytes; any other request once the reply before
@@ -293,11 +296,13 @@ impl ServerState {
             Request::Enable => drive.with(HostedDrive::enable),
             Request::Clear => drive.with(HostedDrive::clear),
             Request::Resume => drive.with(HostedDrive::resume),
+            Request::Override { percent } => drive.with(|drive| drive.set_override(*percent)),
             Request::Jog(jog) => self.jog(jog, drive),
             Request::CheckDirection { axis, settings } => {
                 drive.with(|drive| drive.check_direction(usize::from(*axis), settings))
             }
             Request::Home { axis } => self.home(*axis, drive),
+            Request::Excite(settings) => self.excite(settings, drive),
             Request::NewMotion => self.new_motion(drive),
             Request::AddBlock(block) => self.add_block(block, drive),
             Request::StartMotion { blocks } => self.start_motion(*blocks, drive),

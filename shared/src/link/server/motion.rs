@@ -5,14 +5,12 @@ use super::super::message::{AXES, Jog};
 use super::super::port::SharedDrive;
 use super::super::refusal::Refusal;
 use super::super::report::Activity;
+use super::block_limits::{SPEED_SHARE, axis_speeds, most_percent};
 use super::state::{Motion, ServerState};
-use crate::interpolate::block::Shape;
+use crate::interpolate::feed_hold::MOST_PERCENT;
 use crate::interpolate::{Block, PathError};
 use crate::scalar::Scalar;
 use crate::units::{Position, TRAVEL_LIMIT_M};
-
-/// Greatest speed of a block over the speed at which a reading becomes a fault.
-const SPEED_SHARE: f64 = 0.9;
 
 /// Attempts to append a block while the path goes on to its next block.
 const ATTEMPTS: usize = 4;
@@ -54,6 +52,7 @@ impl ServerState {
     ) -> Result<(), Refusal> {
         let start = drive.with(|drive| drive.is_at_rest().map(|()| drive.machine().command()))?;
         self.motion.blocks.clear();
+        self.motion.most_percent = MOST_PERCENT;
         (self.motion.start, self.motion.end) = (start, start);
         Ok(())
     }
@@ -78,6 +77,8 @@ impl ServerState {
         })?;
         self.check_speed(block, number)?;
         let end = self.motion.plan.check(block, self.motion.end, &not_homed).map_err(refused)?;
+        let permitted = most_percent(block, self.motion.end, &self.settings);
+        self.motion.most_percent = self.motion.most_percent.min(permitted);
         // The capacity was checked.
         let _ = self.motion.blocks.push(*block);
         self.motion.end = end;
@@ -108,13 +109,13 @@ impl ServerState {
         if blocks != found || found == 0 {
             return Err(Refusal::BlockCount { found });
         }
-        let start = self.motion.start;
+        let (start, most_percent) = (self.motion.start, self.motion.most_percent);
         drive.with(|drive| {
             drive.can_start()?;
             if drive.machine().command() != start {
                 return Err(Refusal::Displaced);
             }
-            drive.start_motion(found);
+            drive.start_motion(found, most_percent);
             Ok(())
         })
     }
@@ -179,35 +180,11 @@ impl ServerState {
         let block = Block::line(to_m, libm::fabs(jog.velocity_m_per_s), jog.acceleration_m_per_s2);
         self.motion.end = start;
         self.check_speed(&block, 0)?;
+        let permitted = most_percent(&block, start, &self.settings);
         let refused = |error| Refusal::Path { block: 0, error };
-        self.motion.append(&block, true, drive, |drive| drive.start_jog(at_speed)).map_err(refused)?;
+        let and_then = |drive: &mut HostedDrive<'m, S, AXES>| drive.start_jog(at_speed, permitted);
+        self.motion.append(&block, true, drive, and_then).map_err(refused)?;
         self.motion.jog = at_speed.then_some(*jog);
         Ok(())
     }
-}
-
-/// The greatest speed of each axis in a block that starts at a position, m/s.
-fn axis_speeds(block: &Block<AXES>, start: [Position; AXES]) -> [f64; AXES] {
-    let mut speeds = [0.0; AXES];
-    match block.shape {
-        Shape::Dwell { .. } => {}
-        Shape::Line { to_m } => {
-            let mut way = to_m;
-            for (way, start) in way.iter_mut().zip(start) {
-                *way -= start.to_m();
-            }
-            let length = libm::sqrt(way.iter().map(|way| way * way).sum());
-            if length > 0.0 {
-                speeds = way.map(|way| libm::fabs(way) / length * block.feed_m_per_s);
-            }
-        }
-        Shape::Arc { plane, .. } | Shape::ArcTo { plane, .. } => {
-            for axis in plane {
-                if let Some(speed) = speeds.get_mut(usize::from(axis)) {
-                    *speed = block.feed_m_per_s;
-                }
-            }
-        }
-    }
-    speeds
 }

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | a halt | any | executed |
 //! | what changes nothing: status, history of faults, what the board is | session 0 | executed |
+//! | the feed override | session 0 | executed |
 //! | any other | any | refused |
 //!
 //! None of them is a sign of life of the host: nobody else can keep its motion going.
@@ -36,8 +37,14 @@ impl ServerState {
             self.halt_outside(halt, header, drive);
             return Reply::Done;
         }
-        let look = if header.session == 0 { self.look(request, counts, drive) } else { None };
-        look.unwrap_or(Reply::Refused(refusal))
+        if header.session != 0 {
+            return Reply::Refused(refusal);
+        }
+        if let Request::Override { percent } = request {
+            let set = drive.with(|drive| drive.set_override(*percent));
+            return set.map_or_else(Reply::Refused, |()| Reply::Done);
+        }
+        self.look(request, counts, drive).unwrap_or(Reply::Refused(refusal))
     }
 
     /// Executes a halt although the reply to a request before it has not been sent. False for anything else, and for a repetition.

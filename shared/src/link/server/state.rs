@@ -1,10 +1,12 @@
 //! What a server keeps between requests.
 
-use super::super::message::{AXES, BoardSettings, Jog, LONGEST_UPLOAD, MOTION_BLOCKS};
+use super::super::envelope::AdmittedSettings;
+use super::super::message::{AXES, Jog, LONGEST_UPLOAD, MOTION_BLOCKS};
 use super::super::packet::Frame;
 use super::super::report::{Identity, SettingsReport, UsbState};
 use super::super::session::SessionState;
 use super::super::settings_memory::SettingsMemory;
+use crate::interpolate::feed_hold::MOST_PERCENT;
 use crate::interpolate::{Block, Path};
 use crate::units::Position;
 
@@ -15,7 +17,7 @@ pub(super) struct ServerState {
     pub(super) session: SessionState,
     /// The reply to the last request that was executed.
     pub(super) kept: Frame,
-    pub(super) settings: BoardSettings,
+    pub(super) settings: AdmittedSettings,
     /// Where they are from, and what the flash holds.
     pub(super) report: SettingsReport,
     /// The USB port of the board.
@@ -34,6 +36,8 @@ pub(super) struct Motion {
     /// Where it starts, and where its last block ends.
     pub(super) start: [Position; AXES],
     pub(super) end: [Position; AXES],
+    /// The greatest override that all of its blocks permit, %.
+    pub(super) most_percent: u8,
     /// A copy of the queue of the path, on which blocks are planned.
     pub(super) plan: Path<AXES>,
     /// The jog at a speed that runs.
@@ -45,6 +49,7 @@ impl Motion {
         blocks: heapless::Vec::new(),
         start: [Position(0); AXES],
         end: [Position(0); AXES],
+        most_percent: MOST_PERCENT,
         plan: Path::AT_ZERO,
         jog: None,
     };

@@ -1,5 +1,6 @@
 //! Uploads: collected in parts, checked as a whole, then applied or refused.
 
+use super::super::envelope::AdmittedSettings;
 use super::super::message::{AXES, BoardSettings, LONGEST_UPLOAD, UploadKind};
 use super::super::packet;
 use super::super::port::SharedDrive;
@@ -92,14 +93,14 @@ impl ServerState {
     #[inline(never)]
     fn apply_settings<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S>) -> Result<(), Refusal> {
         let settings = settings(&self.upload.bytes, self.identity.tick_hz)?;
-        self.configure(settings, drive)
+        self.configure(self.identity.envelope.admit(settings)?, drive)
     }
 
     /// Replaces the settings; every compensation is discarded.
     #[inline(never)]
     pub(super) fn configure<'m, S: Scalar>(
         &mut self,
-        settings: BoardSettings,
+        settings: AdmittedSettings,
         drive: &mut impl SharedDrive<'m, S>,
     ) -> Result<(), Refusal> {
         let config = MachineConfig::<S, AXES>::new(settings.rates, &settings.axes)?;

@@ -42,10 +42,32 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         }
     }
 
+    /// Sets the feed override: the path runs at 0 to [`MOST_PERCENT`](crate::interpolate::feed_hold::MOST_PERCENT) of its planned speed,
+    /// and reaches it with the declared deceleration of a stop. [`Machine::configure`] sets 100 %.
+    pub fn set_override(&mut self, percent: u8) {
+        if let Some(config) = &self.config {
+            self.state.path.set_override(percent, config.stop_deceleration());
+        }
+    }
+
+    /// The present rate of the time of the path, % of the planned one.
+    #[must_use]
+    pub const fn rate_percent(&self) -> u8 {
+        self.state.path.rate_percent()
+    }
+
     /// Decelerates as [`Machine::hold`], then discards the rest of the path. The drives remain on.
     pub fn discard_path(&mut self) {
         if let Some(config) = &self.config {
             self.state.path.discard(config.stop_deceleration());
+        }
+    }
+
+    /// Sets the force that is added behind the velocity controller of an axis, before the force limit, from the next tick on: its frequency
+    /// response is measured with it. [`Machine::configure`] sets none.
+    pub fn set_excitation(&mut self, axis: usize, force: S) {
+        if let Some(excitation) = self.state.excitation.get_mut(axis) {
+            *excitation = force;
         }
     }
 

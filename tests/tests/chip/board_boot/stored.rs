@@ -36,7 +36,7 @@ fn record() -> Vec<u8> {
     let rates = Rates { position_loop_divider: DIVIDER, ..LINK_SETTINGS.rates };
     let mut writer = store.writer().unwrap();
     writer.message(&mut store, &UploadKind::Settings).unwrap();
-    writer.message(&mut store, &BoardSettings { rates, ..LINK_SETTINGS }).unwrap();
+    writer.message(&mut store, &BoardSettings { rates, axes: LINK_SETTINGS.axes }).unwrap();
     assert_eq!(writer.commit(&mut store), Ok(1));
     flash.bytes_mut()[..SLOT].to_vec()
 }

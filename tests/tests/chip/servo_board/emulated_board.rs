@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 /// Variable with the folder of the emulator's sockets (`host-sim/board/src/bench.rs`).
 const FOLDER_VARIABLE: &str = "LOST_MOTION_BENCH";
@@ -12,6 +14,9 @@ static ONE_BOARD: Mutex<()> = Mutex::new(());
 
 /// Repetitions of a recording that has lost samples.
 const REPETITIONS: usize = 5;
+
+/// Longest wait for a state of the board that it reaches within 1 s of its own time, which a busy computer runs more slowly.
+const LONGEST_WAIT: Duration = Duration::from_secs(20);
 
 /// Whether a recording has failed because this computer did not run the program in time.
 fn is_lossy(output: &Output) -> bool {
@@ -89,6 +94,19 @@ impl EmulatedBoard {
         }
         assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
         String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// The status once it shows all of these texts. Panics if it does not within [`LONGEST_WAIT`].
+    pub fn status_with(&self, shown: &[&str]) -> String {
+        let start = Instant::now();
+        loop {
+            let status = self.succeeds("board status --port bench");
+            if shown.iter().all(|shown| status.contains(shown)) {
+                return status;
+            }
+            assert!(start.elapsed() < LONGEST_WAIT, "expected {shown:?}: {status}");
+            sleep(Duration::from_millis(100));
+        }
     }
 
     /// Homes both axes and moves them to the start of `bench_travel.toml`, a motion of 7 s. Returns this motion's file.

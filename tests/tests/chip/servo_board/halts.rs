@@ -2,21 +2,21 @@
 
 use std::fs::File;
 use std::io::{Read, Write};
-use std::os::unix::net::UnixStream;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use serialport::{SerialPort, TTYPort};
 use shared::interpolate::feed_hold::FeedState;
-use shared::link::message::{FromBoard, Jog, Reply, Request};
-use shared::link::packet::{self, Frame, Header};
+use shared::link::Status;
+use shared::link::message::{Jog, Reply, Request};
+use shared::link::packet::Header;
 use shared::link::report::Activity;
-use shared::link::{Receiver, Status};
 use shared::safety::Power;
 
 use super::emulated_board::EmulatedBoard;
 use super::ports::{MOTIONS, at_mm};
+use super::raw_link::{RawLink, frame};
 
 /// Longest time that a second program may take, of a computer that does other things as well.
 const SECOND_PROGRAM: Duration = Duration::from_secs(4);
@@ -43,9 +43,7 @@ fn halt(board: &EmulatedBoard, first: Child, (verb, told, shown): (&str, &str, [
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{verb}: {message}");
     assert!(message.contains(told) && message.lines().count() == 1, "{verb}: {message}");
-    sleep(Duration::from_millis(500));
-    let status = board.succeeds("board status --port bench");
-    assert!(shown.iter().all(|shown| status.contains(shown)), "{verb}: {status}");
+    let status = board.status_with(&shown);
     let [x_mm, y_mm] = ["x ", "y "].map(|axis| at_mm(&status, axis));
     assert!(x_mm.abs() < 55.0 && y_mm.abs() < 105.0, "{verb}: {status}");
     sleep(Duration::from_millis(500));
@@ -87,8 +85,7 @@ fn a_second_program_halts_a_recording_which_writes_no_log() {
         assert_eq!(output.status.code(), Some(1), "{verb}: {message}");
         assert!(message.contains(told), "{verb}: {message}");
         assert!(!board.path().join("travel.csv").exists());
-        let status = board.succeeds("board status --port bench");
-        assert!(status.contains("path: at rest") && status.contains("drives: on"), "{verb}: {status}");
+        board.status_with(&["path: at rest", "drives: on"]);
     }
 }
 
@@ -213,61 +210,38 @@ fn a_recording_asks_before_it_moves() {
     }
 }
 
-/// The replies in bytes, with the statuses among them.
-fn replies(receiver: &mut Receiver, bytes: &[u8]) -> Vec<Reply> {
-    let mut replies = Vec::new();
-    for byte in bytes {
-        if let Some(Ok(packet)) = receiver.push(*byte)
-            && let Ok(FromBoard::Reply(reply)) = packet::message(packet.message)
-        {
-            replies.push(reply);
-        }
-    }
-    replies
-}
-
 /// On the emulated board: a status, a stop and a status in one piece, without a session. By the ticks of both statuses the stop was
 /// executed and answered within 2 ms, although it has arrived while the first reply was being sent. Its line has no rate; that of a real
 /// board, with a stream, is in `shared/tests/link/halts.rs`.
 #[test]
 fn a_stop_is_executed_and_answered_within_two_milliseconds() {
     let Some(board) = EmulatedBoard::armed() else { return };
-    let mut stream = UnixStream::connect(board.path().join("run").join("link")).unwrap();
-    stream.set_read_timeout(Some(Duration::from_millis(20))).unwrap();
-    let mut receiver = Receiver::NEW;
-    let mut exchange = |frames: &[Frame], count: usize| -> Vec<Reply> {
-        stream.write_all(&frames.concat()).unwrap();
-        let (mut all, started, mut bytes) = (Vec::new(), Instant::now(), [0; 1024]);
-        while all.len() < count && started.elapsed() < Duration::from_secs(10) {
-            let received = stream.read(&mut bytes).unwrap_or(0);
-            all.extend(replies(&mut receiver, &bytes[..received]));
-        }
-        all
-    };
-    let frame = |header: Header, request: &Request| {
-        let mut frame = Frame::new();
-        packet::encode(header, request, &mut frame).unwrap();
-        frame
-    };
-    let hello = exchange(&[frame(Header::without_session(0), &Request::Hello { nonce: 5 })], 1);
-    let [Reply::Welcome(welcome)] = &hello[..] else { panic!("{hello:?}") };
-    let ticks_per_ms = welcome.rates.velocity_loop_hz / 1e3;
-    let session = |sequence| Header { session: welcome.session, sequence };
-    let jog = Jog { axis: 0, distance_m: Some(0.06), velocity_m_per_s: 0.01, acceleration_m_per_s2: 0.5 };
+    // The median of three: the computer may suspend the emulator for milliseconds once.
+    let mut times_ms = [(); 3].map(|()| time_of_a_stop_ms(&board));
+    println!("{times_ms:?} ms from status to status");
+    times_ms.sort_by(f64::total_cmp);
+    assert!(times_ms[1] <= 2.0, "{times_ms:?} ms");
+}
+
+/// Time of the board from the status before a stop to the status after it, in a session of its own, ms.
+fn time_of_a_stop_ms(board: &EmulatedBoard) -> f64 {
+    let mut link = RawLink::open(board);
+    let jog = Jog { axis: 0, distance_m: Some(0.03), velocity_m_per_s: 0.01, acceleration_m_per_s2: 0.5 };
     for (number, request) in (1..).zip([Request::Enable, Request::Jog(jog)]) {
-        assert_eq!(exchange(&[frame(session(number), &request)], 1), [Reply::Done]);
+        assert_eq!(link.exchange(&[frame(link.header(number), &request)], 1), [Reply::Done]);
         sleep(Duration::from_millis(100));
     }
     let none = Header::without_session;
     let three = [(1, Request::Status), (2, Request::Stop), (3, Request::Status)];
-    let found = exchange(&three.map(|(number, request)| frame(none(number), &request)), 3);
+    let found = link.exchange(&three.map(|(number, request)| frame(none(number), &request)), 3);
     let [Reply::Status(before), Reply::Done, Reply::Status(after)] = &found[..] else { panic!("{found:?}") };
     let is = |status: &Status, feed| {
         assert_eq!((status.power, status.activity, status.feed), (Power::On, Activity::Jog, feed));
     };
     is(before, FeedState::Running);
     is(after, FeedState::Discarding);
-    let ticks = after.tick - before.tick;
-    println!("{ticks} ticks from status to status");
-    assert!(ticks as f64 <= 2.0 * ticks_per_ms, "{ticks} ticks");
+    let ms = 1e3 * (after.tick - before.tick) as f64 / link.welcome.rates.velocity_loop_hz;
+    drop(link);
+    board.status_with(&["path: at rest"]);
+    ms
 }

@@ -2,13 +2,18 @@
 //!
 //! Without `qemu-system-arm` the tests are skipped with a message.
 
+mod anticogging;
 mod document;
 mod drives;
 mod emulated_board;
+mod envelope;
 mod halts;
 mod idle;
 mod logs;
+mod overrides;
 mod ports;
+mod raw_link;
+mod response;
 mod sensors;
 mod settings;
 mod silence;

@@ -171,6 +171,25 @@ fn the_error_of_a_single_axis_is_called_its_following_error() {
     }
 }
 
+/// The circle of the examples: to its start, once round each way with the dwells, feed and exact stops of the motion.
+#[test]
+fn a_motion_becomes_a_program() {
+    let motion = include_str!("../../../../host-sim/motions/circle.toml");
+    let rotary = motion.replace("y = ", "c = ").replace("\"y\"", "\"c\"");
+    let folder = WorkFolder::with(&[("circle.toml", motion), ("rotary.toml", rotary.as_str())]);
+    assert_eq!(
+        folder.succeeds("gcode --motion circle.toml --format linuxcnc --out a.ngc"),
+        "Program: a.ngc\n"
+    );
+    let expected = "(circle)\n(Check travel and clearance. The zero of the program is the zero of the motion.)\nG21 G90 G94 G40\n\
+                    G1 X50.00000 Y0.00000 F2000.0\nG4 P0.200\n(acceleration 1 m/s2, constant while it lasts)\nG61\nF2000.0\nG17\n\
+                    G3 X50.00000 Y0.00000 I-50.00000 J0.00000\nG4 P0.300\nG2 X50.00000 Y0.00000 I-50.00000 J0.00000\nG4 P0.200\nM2\n";
+    assert_eq!(folder.read("a.ngc"), expected);
+    let error = folder.fails("gcode --motion rotary.toml --format fanuc --out b.nc", 2);
+    assert_eq!(error, "lost-motion: rotary.toml: expected axes x, y, z, u, v or w, found c\n");
+    assert!(!folder.path().join("b.nc").exists());
+}
+
 #[test]
 fn a_log_may_come_from_standard_input() {
     let folder = folder();

@@ -5,6 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::work_folder::WorkFolder;
+use tests::tables;
 
 #[test]
 fn table_json_and_page_have_every_motion_and_format() {
@@ -44,6 +45,7 @@ fn table_json_and_page_have_every_motion_and_format() {
         let is_row = |line: &str| line.split_whitespace().take(2).eq([motion, scalar]);
         assert_eq!(stdout.lines().filter(|line| is_row(line)).count(), 1, "{name} in {stdout}");
     }
+    assert_the_document(rows);
     let page = folder.read("report/report.html");
     assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
     // Two plots per motion, and two samples in the legend.
@@ -70,6 +72,29 @@ fn table_json_and_page_have_every_motion_and_format() {
     assert!(words.len() > 100, "{} words of text", words.len());
     assert!(!words.iter().any(|word| rooted(word.trim_matches(['(', '`', '"', '\'']))), "{words:?}");
     assert!(!page.contains("of circle of"), "a section is named by its motion once");
+}
+
+/// `docs/compare.md` has the figures of every motion but the long one, which is shorter here.
+fn assert_the_document(rows: &[Value]) {
+    const HEAD: &str = "| motion | arithmetic | command error, nm: max | rms | position error, nm: max | rms | drift, nm | instructions |";
+    let documented = tables::rows("compare.md", HEAD);
+    assert_eq!(documented.len(), rows.len());
+    for (cells, row) in documented.iter().zip(rows).filter(|(cells, _)| cells[0] != "long_run") {
+        assert_eq!([&cells[0], &cells[1]], [&row["motion"], &row["scalar"]]);
+        let errors = [&row["command_error_nm"], &row["position_error_nm"]];
+        let figures = errors.into_iter().flat_map(|error| [&error["max"], &error["rms"]]);
+        for (cell, figure) in cells[2..6].iter().zip(figures) {
+            let nm = figure.as_f64().unwrap();
+            let shown = match cell.strip_suffix(" µm") {
+                Some(um) => tables::shows(um, nm / 1e3),
+                None => tables::shows(cell, nm),
+            };
+            assert!(shown, "docs/compare.md: {cells:?}: {row}");
+        }
+        if let Some(count) = row["instructions_per_tick"].as_u64() {
+            assert_eq!(cells[7], count.to_string(), "docs/compare.md: {cells:?}");
+        }
+    }
 }
 
 #[test]

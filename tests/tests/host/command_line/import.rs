@@ -1,6 +1,8 @@
 //! Logs in the dialects of other programs become the log from which they were written.
 
 use files::log::{Channel, Log};
+use import::any_log;
+use import::request::Request;
 
 use super::work_folder::{WorkFolder, log};
 
@@ -19,7 +21,10 @@ fn assert_imported(text: &[u8], arguments: &str, rounding_mm: f64, said: &[&str]
     for said in said {
         assert!(stdout.contains(said), "{said}: {stdout}");
     }
-    let log = Log::parse(folder.read("log.csv").as_bytes(), "log.csv").unwrap();
+    let imported = any_log::read(&folder.path().join("log.csv"), &Request::default()).unwrap();
+    let log = imported.log;
+    // A lost row is none of the file that is written either, so that a trace sees what is no measurement.
+    assert_eq!(log.interpolated.is_empty(), !said.contains(&"overrun"), "{:?}", imported.notes);
     let original = Log::parse(super::work_folder::log().as_bytes(), "log").unwrap();
     assert!((log.sample_time_s / original.sample_time_s - 1.0).abs() < 1e-9);
     let x = log.axis("x").unwrap();
@@ -76,6 +81,24 @@ fn a_log_of_halscope_is_read() {
     }
     let arguments = "--map x_command_mm=joint.0.pos-cmd --map x_motor_mm=joint.0.pos-fb";
     assert_imported(text.as_bytes(), arguments, 1e-7, &["LinuxCNC halscope"]);
+}
+
+/// Earlier versions of `halscope`: the name of each pin before its value. Its newest version: positions and scales of the channels in comments.
+#[test]
+fn logs_of_other_versions_of_halscope_are_read() {
+    let period_ns = 1e6 * period_ms();
+    let mut earlier = format!("Sampling period is {period_ns:.0} ns \n");
+    let mut newest = format!(
+        "# Sampling period is {period_ns:.0} ns\njoint.0.pos-cmd;joint.0.pos-fb\n# Position: 0.500000;0.500000\n# Scale: 0;-3\n"
+    );
+    for [command, motor] in rows() {
+        earlier.push_str(&format!("\njoint.0.pos-cmd {command:+.14} joint.0.pos-fb {motor:+.14} "));
+        newest.push_str(&format!("{command:.14};{motor:.14}\n"));
+    }
+    let arguments = "--map x_command_mm=joint.0.pos-cmd --map x_motor_mm=joint.0.pos-fb";
+    for text in [earlier, newest] {
+        assert_imported(text.as_bytes(), arguments, 1e-7, &["LinuxCNC halscope"]);
+    }
 }
 
 /// Counts of an encoder of 0.5 µm.

@@ -1,6 +1,6 @@
 //! Binary formats: what is written is read back, by this program and by Python's libraries, and what those write is read.
 //!
-//! Python is asked where `python3` has the libraries (`pip install numpy scipy pyarrow mcap`); elsewhere those tests are skipped with a
+//! Python is asked where `python3` has the libraries (`pip install numpy scipy pyarrow mcap pytcs`); elsewhere those tests are skipped with a
 //! message.
 
 use std::io::{Write, stderr};
@@ -12,7 +12,7 @@ use files::log::{Channel, Log};
 use super::work_folder::{MACHINE, WorkFolder, log};
 
 /// Runs a script in a folder and gives its stdout; `None` where `python3` or a library is missing, with a message on stderr.
-fn python(folder: &Path, libraries: &str, script: &str) -> Option<String> {
+pub fn python(folder: &Path, libraries: &str, script: &str) -> Option<String> {
     let has = |code: &str| {
         Command::new("python3").args(["-c", code]).output().is_ok_and(|run| run.status.success())
     };
@@ -40,6 +40,63 @@ fn a_log_comes_back_from_parquet_and_mcap() {
         assert!(stdout.contains("recognised by content"), "{stdout}");
         assert!(folder.read("back.csv") == log(), "{name}");
     }
+}
+
+/// A text export of TwinCAT Scope in German: a column of times for each channel, of 1 ms, 0.2 ms and 5 ms, with all lines of its header.
+fn scope_export() -> String {
+    let channels = [("x_soll", 1.0), ("x_ist", 1.0), ("fein", 0.2), ("grob", 5.0)];
+    let german = |number: String| number.replace('.', ",");
+    let header = |key: &str, value: &dyn Fn(&str, f64) -> String| {
+        let cells: Vec<String> =
+            channels.iter().map(|(name, period_ms)| format!("{key}\t{}", value(name, *period_ms))).collect();
+        cells.join("\t") + "\r\n"
+    };
+    let mut text = "Name\tscope\r\nFile\tscope.csv\r\nStarttime of export\t132959733843760000\tMontag, 2. Mai 2022\t15:56:24.376\r\n\
+                    Endtime of export\t132959733853750000\tMontag, 2. Mai 2022\t15:56:25.375\r\n\r\n\r\n"
+        .to_owned();
+    text += &header("Name", &|name, _| name.to_owned());
+    text += &header("SymbolComment", &|_, _| String::new());
+    text += &header("Data-Type", &|_, _| "REAL64".to_owned());
+    text += &header("SampleTime[ms]", &|_, period_ms| german(format!("{period_ms}")));
+    text += &header("SymbolName", &|name, _| format!("MAIN.{name}"));
+    text += &header("Offset", &|_, _| "0".to_owned());
+    text += &header("ScaleFactor", &|_, _| "1".to_owned());
+    text += &header("Unit", &|_, _| "(None)".to_owned());
+    text += &header("Unit ScaleFactor", &|_, _| "1".to_owned());
+    text += &header("Unit Offset", &|_, _| "0".to_owned());
+    text += "\r\n";
+    for row in 0..5000_u32 {
+        let cell = |(name, period_ms): &(&str, f64)| {
+            let t_ms = f64::from(row) * period_ms;
+            let mm = 10.0 * (3e-3 * t_ms).sin() - if *name == "x_ist" { 0.01 } else { 0.0 };
+            if t_ms < 1000.0 { german(format!("{t_ms:.1}\t{mm:.9}")) } else { "\t".to_owned() }
+        };
+        text += &(channels.iter().map(cell).collect::<Vec<_>>().join("\t") + "\r\n");
+    }
+    text + "EOF\r\n"
+}
+
+/// pytcs, which reads exports of TwinCAT Scope, finds the values in the file that are in the imported log, within the seven decimals of that.
+#[test]
+fn python_reads_the_same_of_an_export_of_twincat() {
+    let folder = WorkFolder::with(&[("scope.csv", scope_export())]);
+    let stdout =
+        folder.succeeds("import scope.csv --out log.csv --map x_command_mm=x_soll --map x_motor_mm=x_ist");
+    assert!(stdout.contains("TwinCAT Scope") && stdout.contains("4 channels in 4 groups"), "{stdout}");
+    assert_eq!(read(&folder, "log.csv").len(), 1000);
+    let script = r#"
+import csv
+from pytcs import ScopeFile
+scope = ScopeFile("scope.csv")
+scope.load()
+rows = list(csv.DictReader(open("log.csv")))
+for ours, theirs in (("x_command_mm", "x_soll"), ("x_motor_mm", "x_ist")):
+    channel = scope[theirs]
+    assert len(channel.values) == len(rows) == 1000, (len(channel.values), len(rows))
+    for row, time_ms, value in zip(rows, channel.time, channel.values):
+        assert abs(float(row["time_s"]) - 1e-3 * time_ms) < 1e-9 and abs(float(row[ours]) - value) < 1e-7, row
+"#;
+    python(folder.path(), "pytcs", script);
 }
 
 /// pyarrow and the Python `mcap` read the numbers of the CSV, to the bit. A time of the CSV has at most nine decimals; the times of MCAP are

@@ -18,6 +18,8 @@ mod positions;
 mod refused;
 mod refused_lost_motion;
 mod reproduce;
+mod resonances;
+mod sensors;
 mod stopped;
 mod sturdy;
 mod tune;

@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use super::work_folder::WorkFolder;
+use tests::tables::{rows, shows};
 
 #[test]
 fn tables_json_and_page_have_every_paper() {
@@ -30,6 +31,7 @@ fn tables_json_and_page_have_every_paper() {
         assert_verdict(result);
     }
     assert_eq!(papers.len(), 4, "{papers:?}");
+    assert_the_page(results);
     let agree = results.iter().filter(|result| result["agrees"] == true).count();
     assert!(
         stdout.starts_with(&format!("{agree} of {} figures of 4 papers agree", results.len())),
@@ -39,6 +41,18 @@ fn tables_json_and_page_have_every_paper() {
     assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
     assert!(page.matches("<svg").count() >= 4, "a plot for each paper");
     assert!(!page.contains("http") && page.matches("<script").count() <= 1 && !page.contains("NaN"));
+}
+
+/// `docs/reproduce.md` has every row, in this order.
+fn assert_the_page(results: &[Value]) {
+    let rows = rows("reproduce.md", "| quantity | printed | within | ours | unit | verdict |");
+    assert_eq!(rows.len(), results.len());
+    for (row, result) in rows.iter().zip(results) {
+        let verdict = if result["agrees"] == true { "agrees" } else { "differs" };
+        let [quantity, _, _, ours, unit, shown] = &row[..] else { panic!("{row:?}") };
+        assert_eq!([quantity, unit, shown], [&result["quantity"], &result["unit"], &Value::from(verdict)]);
+        assert!(shows(ours, result["ours"].as_f64().unwrap()), "docs/reproduce.md: {row:?}: {result}");
+    }
 }
 
 /// If the paper prints a bound, the verdict states whether the bound holds; if it prints a number, whether ours agrees, which

@@ -39,6 +39,34 @@ fn unstable_declared_loops_are_called_so() {
     assert!(!stdout.contains("inf"), "{stdout}");
 }
 
+/// The measured response is refused by its file: text that is none, another version, an axis that the machine does not have.
+#[test]
+fn a_response_that_does_not_fit_is_refused() {
+    let controller = r#"{"controller": "p", "feedback": "motor", "position_gain_per_s": 50.0, "velocity_gain_n_s_per_m": 60000.0}"#;
+    let response = |version: u32, axis: &str| {
+        format!(
+            r#"{{"version": {version}, "conditions": {{"board": "b", "axis": "{axis}", "at_mm": 0.0, "force_n": 100.0, "tones_at_once": 4,
+            "periods": 4, "period_s": 0.1, "tick_rate_hz": 20000.0, "controller": {controller}}}, "tones": [], "margins": [], "resonances": [],
+            "notch": null}}"#
+        )
+    };
+    for (text, expected) in [
+        ("{}".to_owned(), "measured.json: expected the JSON of `board response`"),
+        (response(2, "x"), "measured.json: version: expected 1, found 2"),
+        (response(1, "w"), "measured.json: the response of w: the machine file has no such axis"),
+        (
+            response(1, "x"),
+            "it was measured with velocity_integral_time_s = none, and the machine file has 0.016",
+        ),
+    ] {
+        let files = [("machine.toml", MACHINE), ("motion.toml", MOTION), ("measured.json", &text)];
+        let folder = WorkFolder::with(&files);
+        let error = folder.fails(&format!("{TUNE} --measured measured.json"), 2);
+        assert!(error.contains(expected) && error.lines().count() == 1, "{error}");
+        assert!(!folder.path().join("tuned.toml").exists());
+    }
+}
+
 #[test]
 fn a_machine_without_a_mass_is_refused_by_its_key() {
     let without = MACHINE.replace("table_mass_kg", "# table_mass_kg");

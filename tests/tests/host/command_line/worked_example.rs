@@ -18,6 +18,8 @@ struct Example {
     page: &'static str,
     /// The heading before the example.
     heading: &'static str,
+    /// The heading after it; none if it is the end of the page.
+    until: Option<&'static str>,
     /// The machine file that is declared, by its path and with its text.
     machine: [&'static str; 2],
     /// The file of the machine that is run: the declared one with the blocks of TOML that the example shows.
@@ -74,7 +76,9 @@ impl Example {
         let page = document(self.page);
         let text = fs::read_to_string(&page).unwrap();
         let heading = format!("## {}\n", self.heading);
-        let (head, example) = text.split_once(&heading).unwrap();
+        let (head, rest) = text.split_once(&heading).unwrap();
+        let end = self.until.map_or(rest.len(), |next| rest.find(&format!("\n## {next}\n")).unwrap());
+        let (example, tail) = rest.split_at(end);
         let folder = self.folder();
         let (mut written, mut stdout, mut commands) = (String::new(), String::new(), 0);
         for part in parts(example) {
@@ -105,7 +109,7 @@ impl Example {
         }
         assert!(commands >= self.min_commands, "{commands}");
         if std::env::var_os("BLESS").is_some() {
-            fs::write(page, format!("{head}{heading}{written}")).unwrap();
+            fs::write(page, format!("{head}{heading}{written}{tail}")).unwrap();
         }
     }
 }
@@ -115,6 +119,7 @@ fn the_example_of_a_compensation() {
     let example = Example {
         page: "compensation.md",
         heading: "Worked example",
+        until: None,
         machine: ["host-sim/machines/demo.toml", MACHINE],
         true_machine: "true.toml",
         motions: &["demo_circle", "demo_travel", "demo_ballbar", "demo_corner"],
@@ -128,10 +133,25 @@ fn the_example_of_your_own_log() {
     let example = Example {
         page: "your-log.md",
         heading: "Try it on a simulated machine",
+        until: None,
         machine: ["host-sim/machines/vmc.toml", include_str!("../../../../host-sim/machines/vmc.toml")],
         true_machine: "worn.toml",
         motions: &["pocket", "circle"],
         min_commands: 6,
+    };
+    example.check();
+}
+
+#[test]
+fn the_example_of_a_circle() {
+    let example = Example {
+        page: "circle.md",
+        heading: "A run",
+        until: Some("What is read"),
+        machine: ["host-sim/machines/demo.toml", MACHINE],
+        true_machine: "unused.toml",
+        motions: &["circle"],
+        min_commands: 2,
     };
     example.check();
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use commissioning::compensate::Plan;
 use model::effects::{Effect, EffectCompensation, KINDS, Kind};
 
 use super::TESTED;
@@ -65,6 +66,14 @@ fn what_is_not_compensated_is_listed_with_its_reason() {
         assert_eq!((listed.why.as_str(), listed.instead.as_str()), (why, instead));
         assert!(!plan.items.iter().any(|item| item.effect == effect.name()));
     }
+    // Nor does it reach a table of the force feed-forward by the part of the plant in which its law acts.
+    let tables = |plan: &Plan| {
+        let force = plan.file.axis["x"].compensation.force.as_ref();
+        force.map(|force| {
+            (force.friction.map.is_some(), force.friction.warm_up.is_some(), force.load.is_some())
+        })
+    };
+    assert_eq!(tables(&plan), Some((false, false, false)));
     // Every kind that is not compensated is one of these, or cannot be on it: those of axes without masses or of steppers, and delays
     // within the machine's own controller.
     let not = |kind: &&Kind| !example(kind).compensation().is_compensated();

@@ -79,7 +79,7 @@ fn log(name: &str, seed: u64, simulated: Simulated, has_encoder: bool) -> Log {
     axis.table = noisy(simulated.table);
     axis.motor = noisy(simulated.motor).filter(|_| has_encoder);
     axis.command = Some(simulated.command);
-    Log { source: name.to_owned(), start_s: 0.0, sample_time_s: SAMPLE_S, axes: vec![axis] }
+    Log::new(name, 0.0, SAMPLE_S, [axis])
 }
 
 /// A machine of one axis with these keys.

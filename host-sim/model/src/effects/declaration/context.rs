@@ -50,7 +50,7 @@ impl EffectContext<'_> {
         self.stages.contains(&stage)
     }
 
-    /// Whether nothing parts a gap from the stretch of the drive train: neither stiffness and masses nor the force are known.
+    /// Whether nothing distinguishes a gap from the stretch of the drive train: neither stiffness and masses nor the force are known.
     #[must_use]
     pub fn hides_windup(&self) -> bool {
         !self.axis.has_drive_train() && !self.logged.force
@@ -105,6 +105,14 @@ impl Prerequisite {
     #[must_use]
     pub fn masses(axis: &Settings) -> Self {
         Self::needs(axis.has_mass(), "masses in the machine file")
+    }
+
+    /// Requires a stiffness between motor and table, and their masses.
+    #[must_use]
+    pub const fn elastic(axis: &Settings) -> Self {
+        let has_stiffness = axis.mechanics.stiffness_n_per_um.is_some();
+        Self::needs(has_stiffness, "stiffness_n_per_um in the machine file")
+            .and(Self::needs(!axis.is_rigid(), "motor_mass_kg and table_mass_kg in the machine file"))
     }
 
     /// Requires the lead of the screw.

@@ -26,7 +26,7 @@ pub struct Experiment {
     pub circles: Vec<CircleRecord>,
     /// Records of other circles of the true machine, not used in the fit.
     pub validation_circles: Vec<CircleRecord>,
-    /// The same, evaluated.
+    /// This experiment, evaluated.
     pub validation: Measured,
     /// Parts of the catalogue's model that may be wrong, best first.
     pub candidates: Vec<Candidate>,

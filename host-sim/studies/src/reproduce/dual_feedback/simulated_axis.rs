@@ -162,7 +162,7 @@ pub fn positioning_errors(system: System, gain_per_s: f64) -> Result<Errors, Rep
 /// Length of the slow traverse, mm.
 pub const TRAVERSE_MM: f64 = 40.0;
 
-/// Command (mm) and table − command (µm) on a slow traverse forth and back.
+/// Command (mm) and table − command (µm) on a slow traverse back and forth.
 ///
 /// # Errors
 /// If the simulation fails.

@@ -18,6 +18,7 @@ use crate::input::signals::Signals;
 use crate::judge::axis_findings::AxisFindings;
 use crate::judge::found_effect::FoundEffect;
 use crate::options::SearchOptions;
+use crate::task::Progress;
 use model::effects::Stage;
 
 /// Adds what one axis alone shows to be rivals of the effects found.
@@ -29,11 +30,16 @@ pub fn doubt(data: &FitData<'_>, model: &AxisModel, scopes: &[Scope], found: &mu
 
 /// The findings, decided between the machine and the scales and probes that measure it, from all axes together.
 #[must_use]
-pub fn decide(fit_logs: &[Signals], axes: Vec<AxisFindings>, options: &SearchOptions) -> Vec<AxisFindings> {
+pub fn decide(
+    fit_logs: &[Signals],
+    axes: Vec<AxisFindings>,
+    options: &SearchOptions,
+    progress: &Progress<'_>,
+) -> Vec<AxisFindings> {
     let separated = turn::separated(axes, options.min_size);
     let decided = |(number, axis): (usize, AxisFindings)| {
         let has_table = fit_logs.iter().all(|log| log.axes[number].table.is_some());
-        slope::decided(axis, has_table, options.min_size)
+        slope::decided(axis, has_table, options.min_size, progress)
     };
     separated.into_iter().enumerate().map(decided).collect()
 }

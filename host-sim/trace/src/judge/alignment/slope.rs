@@ -8,6 +8,7 @@ use crate::dropped::{Dropped, Reason};
 use crate::judge::axis_findings::AxisFindings;
 use crate::judge::found_effect::FoundEffect;
 use crate::judge::tool_slopes::Slope;
+use crate::task::Progress;
 use files::log::Unit;
 use model::effects::{Effect, LEAST_SLOPE_UM_PER_M, SlopeOf, Stage};
 
@@ -19,12 +20,17 @@ const MOST: f64 = 3.0;
 
 /// The findings with the scale named where the probe shows it, or as a rival where nothing does.
 #[must_use]
-pub fn decided(mut axis: AxisFindings, has_table: bool, min_size: f64) -> AxisFindings {
-    decide(&mut axis, has_table, min_size);
+pub fn decided(
+    mut axis: AxisFindings,
+    has_table: bool,
+    min_size: f64,
+    progress: &Progress<'_>,
+) -> AxisFindings {
+    decide(&mut axis, has_table, min_size, progress);
     axis
 }
 
-fn decide(axis: &mut AxisFindings, has_table: bool, min_size: f64) {
+fn decide(axis: &mut AxisFindings, has_table: bool, min_size: f64, progress: &Progress<'_>) {
     if axis.unit == Unit::Degree {
         return;
     }
@@ -50,7 +56,7 @@ fn decide(axis: &mut AxisFindings, has_table: bool, min_size: f64) {
         return;
     }
     if !sum.exceeds(LEAST_SLOPE_UM_PER_M, min_size) {
-        to_scale(axis, screw, of_table);
+        to_scale(axis, screw, of_table, progress);
         return;
     }
     for index in [Some(screw), probe].into_iter().flatten() {
@@ -79,13 +85,14 @@ fn doubt_probe(found: &mut FoundEffect, has_table: bool) {
 }
 
 /// Gives the slope of the screw to the scale, and drops the gain of the probe that made up for it.
-fn to_scale(axis: &mut AxisFindings, screw: usize, slope: Slope) {
+fn to_scale(axis: &mut AxisFindings, screw: usize, slope: Slope, progress: &Progress<'_>) {
     let effect = SlopeOf::Scale.effect(slope.um_per_m);
     axis.found[screw].effect = effect.clone();
     axis.found[screw].rivals.clear();
     let is_of_probe = |found: &mut FoundEffect| found.effect.slope() == Some(SlopeOf::Probe);
-    let of_probe = axis.found.extract_if(.., is_of_probe).map(|found| found.effect);
-    axis.dropped.extend(of_probe.map(|effect| Dropped { effect, reason: Reason::MadeUpForName }));
+    let leaves =
+        |found: FoundEffect| Dropped::new(&found.effect, Reason::MadeUpForName, &axis.axis, progress);
+    axis.dropped.extend(axis.found.extract_if(.., is_of_probe).map(leaves));
     let is_replaced = |effect: &Effect| matches!(effect.slope(), Some(SlopeOf::Screw | SlopeOf::Probe));
     while let Some(index) = axis.model.found().iter().position(is_replaced) {
         axis.model = axis.model.without(index);

@@ -39,7 +39,7 @@ fn log(source: &str, count: u32, seed: u32, disturbed: std::ops::Range<u32>) -> 
         104.0 * acceleration + 20.0 * velocity.signum() + 200.0 * velocity + 30.0 + 4.0 * noise() + extra
     };
     axis.force = Some((0..count).map(force).collect());
-    Log { source: source.to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] }
+    Log::new(source, 0.0, 1e-3, [axis])
 }
 
 fn load_n(effect: &Effect) -> f64 {

@@ -157,7 +157,7 @@ pub struct DroppedEffect {
 
 impl DroppedEffect {
     pub(super) fn of(axis: &AxisIdentification, dropped: &Dropped) -> Self {
-        Self { name: dropped.effect.name(), axis: axis.axis.clone(), reason: dropped.reason }
+        Self { name: dropped.effect().name(), axis: axis.axis.clone(), reason: dropped.reason() }
     }
 }
 

@@ -115,14 +115,14 @@ impl NotTestable {
 
 /// Two effects that the logs do not distinguish.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
-pub struct LookAlike {
+pub struct AmbiguousPair {
     axis: String,
     effects: [&'static str; 2],
     /// A motion file that distinguishes them.
     motion: Option<String>,
 }
 
-impl LookAlike {
+impl AmbiguousPair {
     pub(super) fn of(
         axis: &AxisIdentification,
         (ambiguity, proposal): (&Ambiguity, Option<&Proposal>),

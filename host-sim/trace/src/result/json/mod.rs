@@ -15,7 +15,7 @@ use serde_json::Value;
 use super::identification::{AxisIdentification, Identification};
 use super::verdict::{self, Verdict};
 use effect::{DroppedEffect, Effect, Refused};
-use entries::{CommonFactor, DataFault, FittedValue, LookAlike, NotTestable};
+use entries::{AmbiguousPair, CommonFactor, DataFault, FittedValue, NotTestable};
 use residual::{EmpiricalTable, FreeRun, Repeatability, Residual, Unexplained};
 
 /// Version of the schema: it changes where a key is removed, or its values mean something else.
@@ -54,7 +54,7 @@ pub struct Document {
     /// Sentences about the logs.
     pub notes: Vec<String>,
     /// Pairs of effects that the logs do not distinguish.
-    pub look_alikes: Vec<LookAlike>,
+    pub ambiguities: Vec<AmbiguousPair>,
     /// Repeatable and other parts of the residuals, of motions that repeat.
     pub repeatability: Vec<Repeatability>,
     /// Simulation from the force alone.
@@ -95,8 +95,8 @@ impl Document {
             }),
             not_testable: not_testable(trace),
             notes: trace.notes().to_vec(),
-            look_alikes: of_axes(trace, |axis| {
-                axis.ambiguities_with_motions().map(|pair| LookAlike::of(axis, pair)).collect()
+            ambiguities: of_axes(trace, |axis| {
+                axis.ambiguities_with_motions().map(|pair| AmbiguousPair::of(axis, pair)).collect()
             }),
             repeatability: of_axes(trace, |axis| {
                 axis.repeats.iter().map(|split| Repeatability::of(axis, split)).collect()
