@@ -39,23 +39,28 @@ fn unstable_declared_loops_are_called_so() {
     assert!(!stdout.contains("inf"), "{stdout}");
 }
 
-/// The measured response is refused by its file: text that is none, another version, an axis that the machine does not have.
+/// A measured response is refused if its file is no response or of another version, if the machine has no such axis, and if it was
+/// measured at another tick rate or with other keys of the controller than the machine file has.
 #[test]
 fn a_response_that_does_not_fit_is_refused() {
     let controller = r#"{"controller": "p", "feedback": "motor", "position_gain_per_s": 50.0, "velocity_gain_n_s_per_m": 60000.0}"#;
-    let response = |version: u32, axis: &str| {
+    let response = |version: u32, axis: &str, tick_rate_hz: f64| {
         format!(
             r#"{{"version": {version}, "conditions": {{"board": "b", "axis": "{axis}", "at_mm": 0.0, "force_n": 100.0, "tones_at_once": 4,
-            "periods": 4, "period_s": 0.1, "tick_rate_hz": 20000.0, "controller": {controller}}}, "tones": [], "margins": [], "resonances": [],
+            "periods": 4, "period_s": 0.1, "tick_rate_hz": {tick_rate_hz:?}, "controller": {controller}}}, "tones": [], "margins": [], "resonances": [],
             "notch": null}}"#
         )
     };
     for (text, expected) in [
         ("{}".to_owned(), "measured.json: expected the JSON of `board response`"),
-        (response(2, "x"), "measured.json: version: expected 1, found 2"),
-        (response(1, "w"), "measured.json: the response of w: the machine file has no such axis"),
+        (response(2, "x", 4000.0), "measured.json: version: expected 1, found 2"),
+        (response(1, "w", 4000.0), "measured.json: the response of w: the machine file has no such axis"),
         (
-            response(1, "x"),
+            response(1, "x", 20000.0),
+            "it was measured with velocity_loop_rate_hz = 20000, and the machine file has 4000",
+        ),
+        (
+            response(1, "x", 4000.0),
             "it was measured with velocity_integral_time_s = none, and the machine file has 0.016",
         ),
     ] {
