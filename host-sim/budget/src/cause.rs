@@ -39,7 +39,7 @@ impl Cause {
             causes.extend(has_friction(&axis.settings).then_some(Self::Friction(index)));
             causes.extend((!axis.settings.is_rigid()).then_some(Self::Stiffness(index)));
             causes.extend((0..axis.effect.len()).map(|effect| Self::Effect(index, effect)));
-            causes.extend((!axis.empirical.is_empty()).then_some(Self::Unexplained(index)));
+            causes.extend(axis.has_residuals().then_some(Self::Unexplained(index)));
         }
         if machine.instruments.is_some() {
             causes.extend([Self::Noise, Self::Quantisation]);
@@ -137,6 +137,7 @@ pub fn with(machine: &Machine, causes: &[Cause]) -> Machine {
         }
         if !causes.contains(&Cause::Unexplained(index)) {
             axis.empirical.clear();
+            axis.residual_law.clear();
         }
     }
     with

@@ -83,9 +83,9 @@ impl Budget {
         notes.extend(
             not_compensated.map(|(name, why)| format!("{name}: not simulated with a compensation: {why}.")),
         );
-        let with_tables = model.axis.iter().filter(|(_, axis)| !axis.empirical.is_empty());
-        notes.extend(with_tables.map(|(name, _)| {
-            format!("{name}: a table of a residual has no cause, and stands in the budget as `unexplained`.")
+        let with_residuals = model.axis.iter().filter(|(_, axis)| axis.has_residuals());
+        notes.extend(with_residuals.map(|(name, _)| {
+            format!("{name}: a table or a law of a residual has no cause, and stands in the budget as `unexplained`.")
         }));
         Ok(Self { machine: model.name.clone(), motions, assumed: equivalent::of(&model).1, notes })
     }

@@ -8,7 +8,8 @@
 //! - [`friction_law`]: functions of velocity that effects and friction maps share.
 //! - [`servo`]: converts the settings of an axis, and the effects in its controller, into settings of [`shared`].
 //! - [`position_curve`]: a quantity over position, given at knots.
-//! - [`residual_table`]: a residual that no effect describes.
+//! - [`residual_table`]: a residual that no effect describes, as a table.
+//! - [`residual_law`]: such a residual as an equation.
 //! - [`range`]: the range of a declared number.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -22,5 +23,6 @@ pub mod friction_law;
 pub mod machine;
 pub mod position_curve;
 pub mod range;
+pub mod residual_law;
 pub mod residual_table;
 pub mod servo;

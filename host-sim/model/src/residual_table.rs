@@ -33,14 +33,46 @@ pub enum TableVariable {
     VelocityMPerS,
     /// Its acceleration.
     AccelerationMPerS2,
+    /// Absolute value of its velocity.
+    SpeedMPerS,
     /// Sign of its velocity, −1 to 1.
     Direction,
     /// Drive force.
     ForceN,
+    /// Time of the session.
+    TimeS,
     /// Position of the first other axis of the machine.
     OtherPositionMm,
+    /// Velocity of the first other axis of the machine.
+    OtherVelocityMPerS,
     /// Acceleration of the first other axis of the machine.
     OtherAccelerationMPerS2,
+    /// Sign of the velocity of the first other axis of the machine, −1 to 1.
+    OtherDirection,
+}
+
+impl TableChannel {
+    /// The stage whose residual is that of the channel.
+    #[must_use]
+    pub const fn stage(self) -> Stage {
+        match self {
+            Self::Motor => Stage::Motor,
+            Self::Table => Stage::Table,
+            Self::Tool => Stage::Tool,
+            Self::Force => Stage::Force,
+        }
+    }
+
+    /// The channel of a stage.
+    #[must_use]
+    pub const fn of(stage: Stage) -> Self {
+        match stage {
+            Stage::Motor => Self::Motor,
+            Stage::Table => Self::Table,
+            Stage::Tool => Self::Tool,
+            Stage::Force => Self::Force,
+        }
+    }
 }
 
 impl TableVariable {
@@ -50,7 +82,13 @@ impl TableVariable {
     /// Whether it is a variable of another axis.
     #[must_use]
     pub const fn is_of_other_axis(self) -> bool {
-        matches!(self, Self::OtherPositionMm | Self::OtherAccelerationMPerS2)
+        matches!(
+            self,
+            Self::OtherPositionMm
+                | Self::OtherVelocityMPerS
+                | Self::OtherAccelerationMPerS2
+                | Self::OtherDirection
+        )
     }
 
     /// The direction of a velocity, m/s: −1, 0 or 1.
@@ -91,12 +129,7 @@ impl ResidualTable {
     /// The stage whose residual it describes.
     #[must_use]
     pub const fn stage(&self) -> Stage {
-        match self.channel {
-            TableChannel::Motor => Stage::Motor,
-            TableChannel::Table => Stage::Table,
-            TableChannel::Tool => Stage::Tool,
-            TableChannel::Force => Stage::Force,
-        }
+        self.channel.stage()
     }
 
     /// The values at the points, µm or N.

@@ -21,7 +21,7 @@
 //! | [`axis_motion`] | the state of an axis: positions, velocities, bristles |
 //! | [`coupled_axes`], [`multibody`] | instead of `mechanics` where the machine file describes rigid bodies |
 //! | [`tool_point`] | from table to tool: offsets by acceleration, position and time; modes; alignment of the probe |
-//! | [`residual_tables`] | residuals that no effect describes |
+//! | [`residuals`] | residuals that no effect describes |
 //! | [`delay`], [`sensors`] | latency, noise and quantisation of the readings and of the log |
 //! | [`lane`] | arithmetic for one axis, or for two in one SIMD register |
 //!
@@ -51,7 +51,7 @@ pub mod multibody;
 pub mod parameters;
 pub mod presliding;
 pub mod probe;
-pub mod residual_tables;
+pub mod residuals;
 pub mod scale;
 pub mod screw;
 pub mod sensors;

@@ -13,12 +13,13 @@ use super::following::Following;
 use super::instruments::Instruments;
 use super::mechanics::Stepper;
 use super::parameters::AxisParameters;
-use super::residual_tables::{Displacement, TableInput, displacement};
+use super::residuals::{Displacement, OtherAxis, ResidualInput};
 use super::sensors::Sensor;
 use super::tool_point::{self, Modes, Tables};
 use model::bodies::StructureError;
 use model::effects::Channel;
 use model::machine::Machine;
+use model::residual_law::SinceReversal;
 
 /// The position that a controller reads. One outside the number format occurs only in an unstable loop; the following error then
 /// ends the run.
@@ -55,6 +56,7 @@ struct SimulatedAxis {
     force_path: ForcePath,
     /// Tool − table by the bodies of the structure, m.
     structure_offset_m: f64,
+    since_reversal: SinceReversal,
     /// Force that the controller commanded for the tick, N.
     commanded_n: f64,
     /// Force at the input of the drive, behind its dead time, N.
@@ -182,6 +184,13 @@ impl MachineSim {
     ) -> Vec<Measurement> {
         let position_m: Vec<f64> = self.axes.iter().map(|a| a.motion.table_m).collect();
         let acceleration: Vec<f64> = self.axes.iter().map(|axis| self.table_m_per_s2(axis)).collect();
+        let others: Vec<OtherAxis> = (self.axes.iter().zip(&acceleration))
+            .map(|(axis, &acceleration)| OtherAxis {
+                position_m: axis.motion.table_m,
+                velocity: axis.motion.table_m_per_s,
+                acceleration,
+            })
+            .collect();
         let tables = Tables { names: &self.names, position_m: &position_m, acceleration: &acceleration };
         let mut measurements = Vec::with_capacity(self.axes.len());
         for ((i, axis), next_n) in self.axes.iter_mut().enumerate().zip(next_n) {
@@ -195,20 +204,20 @@ impl MachineSim {
             let tool_m = tool_m - lag_m(&mut axis.tool_log_delay, tool_m);
             let force_n =
                 axis.force_log_delay.as_ref().map_or(axis.commanded_n, |delay| delay.logged_n(next_n));
-            let displaced = match &axis.parameters.residual_tables[..] {
-                [] => Displacement::default(),
-                residuals => displacement(
-                    residuals,
-                    &TableInput {
-                        position_m: table_m,
-                        velocity: table_m_per_s,
-                        acceleration: acceleration[i],
-                        force_n,
-                        other: (0..position_m.len())
-                            .find(|other| *other != i)
-                            .map_or([0.0; 2], |other| [position_m[other], acceleration[other]]),
-                    },
-                ),
+            axis.since_reversal.advance(1e3 * table_m, table_m_per_s);
+            let residuals = &axis.parameters.residuals;
+            let displaced = if residuals.is_empty() {
+                Displacement::default()
+            } else {
+                residuals.displacement(&ResidualInput {
+                    position_m: table_m,
+                    velocity: table_m_per_s,
+                    acceleration: acceleration[i],
+                    force_n,
+                    time_s,
+                    since_reversal: axis.since_reversal,
+                    other: others.get(usize::from(i == 0)).copied().unwrap_or_default(),
+                })
             };
             measurements.push(Measurement {
                 motor_offset_m: displaced.motor_m,
@@ -344,6 +353,7 @@ impl SimulatedAxis {
             force_log_delay: ForceDelay::new(latency_s(Channel::Force), tick_s),
             force_path: ForcePath::new(&parameters.servo, tick_s, 0.0),
             structure_offset_m: 0.0,
+            since_reversal: SinceReversal::default(),
             commanded_n: 0.0,
             drive_n: 0.0,
             parameters,

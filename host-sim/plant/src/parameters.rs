@@ -12,12 +12,12 @@ use model::machine::{Axis, Machine};
 use super::friction::{self, Friction};
 use super::friction_direction::{self, DRIVE_SLIP_M};
 use super::probe::Probe;
+use super::residuals::Residuals;
 use super::scale::Scale;
 use super::screw::{Screw, Spring};
 use super::stepper::Stepper;
 
 use model::bodies;
-use model::residual_table::ResidualTable;
 use model::servo::ServoParameters;
 
 /// Stretch of a drive train that is practically rigid, m per m/s²: 1 nm under 1 m/s².
@@ -70,7 +70,7 @@ pub struct AxisParameters {
     /// Latencies of the logged channels.
     pub latency: Vec<Latency>,
     /// Residuals of the logged channels that no effect describes.
-    pub residual_tables: Vec<ResidualTable>,
+    pub residuals: Residuals,
 }
 
 /// Forces on the table against motion in the + direction that do not depend on its velocity.
@@ -165,7 +165,7 @@ impl AxisParameters {
     pub fn of(axis: &Axis) -> Self {
         let mut parameters = Self {
             servo: ServoParameters::of(&axis.effect),
-            residual_tables: axis.empirical.clone(),
+            residuals: Residuals { tables: axis.empirical.clone(), laws: axis.residual_law.clone() },
             ..Self::without_effects(&axis.settings.mechanics)
         };
         let turning_m_per_s2 = axis.fitted_velocity_drive().friction_m_per_s2;

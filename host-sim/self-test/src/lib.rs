@@ -12,6 +12,7 @@
 //! | compare a trace with the true effects | [`score`], [`outside`], [`judgement`] |
 //! | statistics of all cases | [`summary`], [`confusion`] |
 //! | how often an effect of a given size is found | [`detection`], [`detection_curve`], [`detection_text`], `detection_plot` |
+//! | a law that no effect describes, and whether it is found | [`law`], [`law_case`] |
 //! | text and page | [`text_summary`], [`page`], `kind_table`, `confusion_plot`, `parameter_plot` |
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -38,6 +39,8 @@ pub mod judgement;
 mod judgement_text;
 pub mod kind;
 mod kind_table;
+pub mod law;
+pub mod law_case;
 pub mod machine;
 mod mode;
 pub mod motion;
@@ -73,6 +76,23 @@ pub fn trace_and_score(case: &Case, progress: &(dyn Fn(&str) + Sync)) -> Result<
     trace_and_score_with(&TraceOptions::default(), case, progress)
 }
 
+/// The JSON of a trace of a case, without its true effects.
+///
+/// # Errors
+/// When the tracer refuses a log.
+pub fn traced(case: &Case, progress: &(dyn Fn(&str) + Sync)) -> Result<Value, InputError> {
+    traced_with(&TraceOptions::default(), case, progress)
+}
+
+fn traced_with(
+    options: &TraceOptions,
+    case: &Case,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Value, InputError> {
+    let trace = trace::trace_with(options, &case.machine, [&case.fit, &case.validate], progress)?;
+    Ok(trace::json::Document::of(&trace, &[], false).value())
+}
+
 /// As [`trace_and_score`], with other thresholds of the tracer.
 ///
 /// # Errors
@@ -82,8 +102,7 @@ pub fn trace_and_score_with(
     case: &Case,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Outcome, InputError> {
-    let trace = trace::trace_with(options, &case.machine, [&case.fit, &case.validate], progress)?;
-    Ok(Outcome::of(case, &trace::json::Document::of(&trace, &[], false).value()))
+    Ok(Outcome::of(case, &traced_with(options, case, progress)?))
 }
 
 /// The JSON of `self-test --json`.

@@ -3,6 +3,7 @@
 
 use super::delay_line::DelayLine;
 use super::drive::Drive;
+use super::law::{LastReversal, LawTerm};
 use super::mode::Mode;
 use super::pickup::PickedUp;
 use super::plant::{LocalDefect, Mechanics, STEP_S, Sinusoid, State};
@@ -59,6 +60,8 @@ pub struct Axis {
     pub vibration: Sinusoid,
     /// Local error of the tool over the table's position.
     pub tool_defect: LocalDefect,
+    /// A law of tool − table.
+    pub law: Vec<LawTerm>,
 }
 
 impl Axis {
@@ -90,6 +93,7 @@ struct MovingAxis<'a> {
     earlier: DelayLine,
     table: DelayLine,
     tool: DelayLine,
+    reversal: LastReversal,
 }
 
 impl<'a> MovingAxis<'a> {
@@ -104,6 +108,7 @@ impl<'a> MovingAxis<'a> {
             earlier: DelayLine::new(axis.servo.velocity_window_s.unwrap_or(0.0), motor_m),
             table: DelayLine::new(axis.table_delay_s, scale_m),
             tool: DelayLine::new(axis.tool_delay_s, at_m),
+            reversal: LastReversal::default(),
         }
     }
 
@@ -112,6 +117,7 @@ impl<'a> MovingAxis<'a> {
         let from_m = self.state.table_m;
         let acting_n = self.drive.acting_n(force_n);
         self.axis.mechanics.step(&mut self.state, acting_n);
+        self.reversal.follow(&self.state);
         let Axis { resonance, second_resonance, .. } = *self.axis;
         for (mode, resonance) in self.modes.iter_mut().zip([resonance, second_resonance]) {
             mode.step([from_m, self.state.table_m], resonance);
@@ -144,6 +150,7 @@ impl<'a> MovingAxis<'a> {
             + drift_m
             + axis.vibration.at(time_s)
             + axis.tool_defect.at(self.state.table_m)
+            + axis.law.iter().map(|term| term.at(&self.state, other, &self.reversal)).sum::<f64>()
             + second_m
     }
 }

@@ -14,6 +14,7 @@ use self_test::case::Case;
 use self_test::detection::{Detection, SizedCase, detect};
 use self_test::detection_curve::Curve;
 use self_test::kind::{Kind, Kinds};
+use self_test::law_case::{self, LawCase, LawOutcome};
 use self_test::score::Outcome;
 use self_test::summary::Summary;
 use self_test::{detection_curve, detection_text, text_summary};
@@ -40,6 +41,9 @@ pub struct Arguments {
     /// How often an effect of a given size, in units of the noise, is found; all effects and sizes once in 187 cases.
     #[arg(long, conflicts_with_all = ["kind", "keep", "only"])]
     detection: bool,
+    /// Whether laws of the tool, drawn at random, are found in what no effect describes.
+    #[arg(long, conflicts_with_all = ["kind", "keep", "only", "detection", "report"])]
+    laws: bool,
     /// Write the result as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -61,7 +65,11 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     check(arguments)?;
     stop::write_partial_result();
-    if arguments.detection { run_detection(arguments) } else { run_kinds(arguments) }
+    match (arguments.detection, arguments.laws) {
+        (true, _) => run_detection(arguments),
+        (_, true) => run_laws(arguments),
+        _ => run_kinds(arguments),
+    }
 }
 
 fn check(arguments: &Arguments) -> Result<()> {
@@ -180,6 +188,25 @@ fn run_detection(arguments: &Arguments) -> Result<()> {
     let page = |folder: &Path| detection_text::write_page(folder, &sentences, &results.done, &curve);
     let report = arguments.report.as_deref().map(page).transpose()?;
     print_summary(arguments, &[&sentences.join("\n"), &tables], &results.seconds, report)?;
+    ended(&results)
+}
+
+/// Draws and traces the machines with a law.
+fn run_laws(arguments: &Arguments) -> Result<()> {
+    let jobs = (1..=arguments.cases).map(|number| (format!("law {number}"), number)).collect();
+    let seed = arguments.seed;
+    let work = move |&number: &u64, show: Show<'_>| {
+        show("running the machine");
+        let law = LawCase::draw(seed, number)?;
+        Ok(LawOutcome::of(&law, &self_test::traced(&law.case, show)?))
+    };
+    let results = Batch { jobs, work }.run(|done: &[LawOutcome]| {
+        let right = done.iter().filter(|outcome| outcome.is_right).count();
+        format!("{right} of {} right; ", done.len())
+    })?;
+    let cases: Vec<_> = results.done.iter().map(LawOutcome::json).collect();
+    write_json(arguments.json.as_ref(), &serde_json::json!({"seed": seed, "cases": cases}))?;
+    print_summary(arguments, &[&law_case::summary(seed, &results.done)], &results.seconds, None)?;
     ended(&results)
 }
 

@@ -129,11 +129,11 @@ impl Planning<'_> {
                 }
             }
         }
-        let with_tables = self.model.axis.iter().filter(|(_, axis)| !axis.empirical.is_empty());
-        list.extend(with_tables.map(|(name, _)| NotCompensated {
+        let with_residuals = self.model.axis.iter().filter(|(_, axis)| axis.has_residuals());
+        list.extend(with_residuals.map(|(name, _)| NotCompensated {
             effect: "empirical".to_owned(),
             axis: name.clone(),
-            why: "a table of a residual does not say what causes it, and holds for motions like those measured".to_owned(),
+            why: "a table or a law of a residual does not say what causes it, and holds for motions like those measured".to_owned(),
             instead: "find its cause; a table of the error over the position can be entered as a pitch_map".to_owned(),
         }));
         list.extend(off.iter().map(|part| {

@@ -10,6 +10,7 @@ use crate::axis::{
 };
 use crate::effects::Effect;
 use crate::friction_curve::Curve;
+use crate::residual_law::ResidualLaw;
 use crate::residual_table::ResidualTable;
 use crate::servo::VelocityDrive;
 
@@ -27,11 +28,19 @@ pub struct Axis {
     pub effect: Vec<Effect>,
     /// What a trace knows of the first of these effects, in the same order.
     pub evidence: Vec<Evidence>,
-    /// Residuals that no effect describes.
+    /// Residuals that no effect describes, as tables.
     pub empirical: Vec<ResidualTable>,
+    /// Residuals that no effect describes, as equations.
+    pub residual_law: Vec<ResidualLaw>,
 }
 
 impl Axis {
+    /// Whether it contains residuals that no effect describes.
+    #[must_use]
+    pub const fn has_residuals(&self) -> bool {
+        !self.empirical.is_empty() || !self.residual_law.is_empty()
+    }
+
     /// A drive whose velocity is commanded, as a trace has fitted it to logs.
     #[must_use]
     pub fn fitted_velocity_drive(&self) -> VelocityDrive {
@@ -88,6 +97,8 @@ macro_rules! axis_table {
             evidence: Vec<Evidence>,
             #[serde(skip_serializing_if = "Vec::is_empty")]
             empirical: Vec<ResidualTable>,
+            #[serde(rename = "law", skip_serializing_if = "Vec::is_empty")]
+            residual_law: Vec<ResidualLaw>,
         }
 
         impl From<AxisTable> for Axis {
@@ -102,6 +113,7 @@ macro_rules! axis_table {
                     effect: table.effect,
                     evidence: table.evidence,
                     empirical: table.empirical,
+                    residual_law: table.residual_law,
                 }
             }
         }
@@ -115,6 +127,7 @@ macro_rules! axis_table {
                     effect: axis.effect,
                     evidence: axis.evidence,
                     empirical: axis.empirical,
+                    residual_law: axis.residual_law,
                 }
             }
         }

@@ -1,6 +1,7 @@
 //! Checks of a machine file beyond the names and types of its keys.
 
 mod empirical;
+mod law;
 mod loops;
 mod nominal;
 
@@ -47,6 +48,7 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
         context.nominal()?;
         context.evidence()?;
         context.empirical(machine)?;
+        context.law(machine)?;
         context.log_offsets(machine.sample_rate_hz)?;
         for (index, effect) in axis.effect.iter().enumerate() {
             let effect_key = format!("{key}.effect[{index}]");

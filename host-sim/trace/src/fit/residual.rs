@@ -16,9 +16,12 @@ use crate::prediction::force_sampling::ForceSampling;
 use crate::prediction::force_windup;
 use crate::prediction::initial_state::InitialState;
 use crate::prediction::table_motion::MeasuredMotor;
+use crate::prediction::law_terms::LogVariables;
 use crate::prediction::{table_variable, tool, velocity_drive};
 use model::axis::Drive;
 use model::effects::{Channel, Stage};
+use model::residual_law::{ResidualLaw, Term};
+use model::residual_table::TableVariable;
 use model::servo;
 use numerics::resample::delayed_cubic;
 use plant::parameters::AxisParameters;
@@ -83,6 +86,9 @@ impl FitData<'_> {
                 };
                 values.iter_mut().zip(at).for_each(|(value, at)| *value -= table.value(at));
             }
+            for law in model.axis.residual_law.iter().filter(|law| law.stage() == *stage) {
+                self.subtract_law(law, log, &mut values);
+            }
             let counts = self.counting(*stage, log);
             for (i, value) in values.iter_mut().enumerate() {
                 if !counts(i) {
@@ -92,6 +98,19 @@ impl FitData<'_> {
             ResidualSeries { stage: *stage, log, values }
         };
         scope.stages.iter().map(series).collect()
+    }
+
+    /// Subtracts a law. Terms with a variable that the log does not contain are left out.
+    fn subtract_law(&self, law: &ResidualLaw, log: usize, values: &mut [f64]) {
+        let variables: Vec<TableVariable> = law.term.iter().flat_map(Term::variables).collect();
+        let of_log = LogVariables::new(&self.logs[log], self.axis, law.stage(), &variables);
+        values.iter_mut().for_each(|value| *value -= law.constant);
+        for term in law.term.iter().filter(|term| of_log.has(term)) {
+            let coefficients = term.coefficients();
+            for (coefficient, part) in coefficients.into_iter().zip(of_log.parts(term)) {
+                values.iter_mut().zip(part).for_each(|(value, part)| *value -= coefficient * part);
+            }
+        }
     }
 
     /// Table and force driven by the measured motor; `None` without a motor channel.

@@ -1,6 +1,7 @@
-//! Tables of residuals in the model of an axis.
+//! Tables and laws of residuals in the model of an axis.
 
 use super::axis_model::AxisModel;
+use model::residual_law::ResidualLaw;
 use model::residual_table::ResidualTable;
 
 impl AxisModel {
@@ -27,6 +28,14 @@ impl AxisModel {
             all.push(ResidualTable::new(table.channel, table.variable, &points));
         }
         self.with_tables(all)
+    }
+
+    /// This model with further laws.
+    #[must_use]
+    pub fn with_further_laws(&self, new: impl Iterator<Item = ResidualLaw>) -> Self {
+        let mut model = self.clone();
+        model.axis.residual_law.extend(new);
+        model
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::analysis::empirical::Empirical;
 use crate::analysis::free_run::FreeRun;
+use crate::analysis::law::FoundLaw;
 use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
 use crate::dropped::Dropped;
@@ -70,6 +71,8 @@ pub struct AxisFindings {
     pub free_runs: Vec<FreeRun>,
     /// Residuals as tables over the variables that explain most of them.
     pub tables: Vec<Empirical>,
+    /// Residuals as laws.
+    pub laws: Vec<FoundLaw>,
     /// Pairs of effects that the logs do not distinguish.
     pub ambiguities: Vec<Ambiguity>,
     /// The rounds of the search.

@@ -13,6 +13,7 @@ pub mod confirmation;
 pub mod declared_value;
 pub mod findings;
 pub mod found_effect;
+pub mod laws;
 pub mod likelihood;
 pub mod misfit;
 pub mod not_testable;

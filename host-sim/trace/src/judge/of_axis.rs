@@ -61,7 +61,7 @@ pub fn judge(job: &Job<'_>, axis: &AxisData<'_>, hypotheses: Hypotheses) -> Axis
     let in_search = rounds.iter().flat_map(|round| &round.dropped).cloned();
     let dropped = in_search.chain(by_logs).chain(by_machine).collect();
     alignment::doubt(&data.fit, &model, &scopes, &mut found);
-    let Remainder { residuals, unexplained, repeats, tables } = remainder;
+    let Remainder { residuals, unexplained, repeats, tables, laws } = remainder;
     AxisFindings {
         task: job.request.task,
         axis: data.fit.name().to_owned(),
@@ -85,6 +85,7 @@ pub fn judge(job: &Job<'_>, axis: &AxisData<'_>, hypotheses: Hypotheses) -> Axis
         unexplained,
         repeats,
         tables,
+        laws,
         scopes,
         not_testable,
         rounds,
@@ -129,7 +130,7 @@ fn as_declared(data: &AxisData<'_>, scopes: &[Scope]) -> AxisModel {
 }
 
 /// What remains of the residuals under both models. If requested, what the logs confirm of it is added to the second model as
-/// tables, and what remains is that beside the tables.
+/// laws or tables, and what remains is that beside these.
 fn remaining(
     job: &Job<'_>,
     data: &AxisData<'_>,
@@ -137,9 +138,9 @@ fn remaining(
     (scopes, exclusions): (&[Scope], &[Exclusion]),
 ) -> (AxisModel, Remainder) {
     let remainder = Remainder::of(data, [baseline, model], scopes, exclusions);
-    let tables = || remainder.with_tables(data, [baseline, model], scopes, exclusions);
-    match job.request.tables.then(tables).flatten() {
-        Some(with_tables) => with_tables,
+    let residuals = || remainder.with_residuals(data, [baseline, model], scopes, exclusions);
+    match job.request.tables.then(residuals).flatten() {
+        Some(with_residuals) => with_residuals,
         None => (model.clone(), remainder),
     }
 }

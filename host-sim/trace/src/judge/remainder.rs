@@ -1,7 +1,9 @@
 //! What the declared model and the model with effects leave of each stage.
 
 use super::axis_findings::StageResidual;
+use super::laws::{law_of, with_laws};
 use crate::analysis::empirical::{Empirical, empirical};
+use crate::analysis::law::FoundLaw;
 use crate::analysis::repeatability::{Repeatability, repeatability};
 use crate::analysis::residual_analysis::{UnexplainedResidual, unexplained};
 use crate::fit::axis_data::AxisData;
@@ -22,17 +24,20 @@ pub struct Remainder {
     pub repeats: Vec<Repeatability>,
     /// Them as tables over the variables that explain most of them.
     pub tables: Vec<Empirical>,
+    /// Them as laws, without the vibrations and local defects that are reported apart.
+    pub laws: Vec<FoundLaw>,
 }
 
 impl Remainder {
     /// The residuals of each stage under the declared model and under the model with effects.
     #[must_use]
     pub fn of(
-        AxisData { fit: fit_data, validate, .. }: &AxisData<'_>,
+        axis: &AxisData<'_>,
         [before, model]: [&AxisModel; 2],
         scopes: &[Scope],
         exclusions: &[Exclusion],
     ) -> Self {
+        let AxisData { fit: fit_data, validate, .. } = axis;
         let mut remainder = Self::default();
         for scope in scopes {
             let [fit_before, fit_after] = [before, model].map(|model| fit_data.residuals(model, scope));
@@ -63,6 +68,7 @@ impl Remainder {
                     let residuals = [&fit_after[..], &held_out_after];
                     let table = empirical([fit_data, validate], residuals, stage, found.variable);
                     remainder.tables.extend(table);
+                    remainder.laws.extend(law_of(axis, (model, scope), exclusions, stage));
                     remainder.unexplained.push(found);
                 }
             }
@@ -70,21 +76,24 @@ impl Remainder {
         remainder
     }
 
-    /// The model with what the logs confirm of its residuals as tables, and what remains beside these; `None` if they confirm none.
+    /// The model with what the logs confirm of its residuals, as laws, otherwise as tables, and what remains beside these; `None` if
+    /// they confirm none.
     #[must_use]
-    pub fn with_tables(
+    pub fn with_residuals(
         &self,
         axis: &AxisData<'_>,
         [before, model]: [&AxisModel; 2],
         scopes: &[Scope],
         exclusions: &[Exclusion],
     ) -> Option<(AxisModel, Self)> {
-        let confirmed: Vec<ResidualTable> = self.tables.iter().filter_map(Empirical::confirmed).collect();
-        if confirmed.is_empty() {
+        let has_law = |table: &&Empirical| self.laws.iter().any(|law| law.stage == table.stage);
+        let tables = self.tables.iter().filter(|table| !has_law(table));
+        let confirmed: Vec<ResidualTable> = tables.filter_map(Empirical::confirmed).collect();
+        if confirmed.is_empty() && self.laws.is_empty() {
             return None;
         }
-        let model = model.with_further_tables(&confirmed);
+        let model = with_laws(&axis.fit, model, scopes, &self.laws).with_further_tables(&confirmed);
         let beside = Self::of(axis, [before, &model], scopes, exclusions);
-        Some((model, Self { tables: self.tables.clone(), ..beside }))
+        Some((model, Self { tables: self.tables.clone(), laws: self.laws.clone(), ..beside }))
     }
 }

@@ -10,6 +10,7 @@ pub mod driven;
 pub mod force_sampling;
 pub mod force_windup;
 pub mod initial_state;
+pub mod law_terms;
 pub mod position_loop;
 pub mod resonant_response;
 pub mod table_motion;

@@ -8,6 +8,7 @@ use crate::input::table_motions::TableMotion;
 use model::servo::ServoParameters;
 use plant::driven::{DrivenStep, DrivenTable, ScrewMotion};
 use plant::parameters::{AxisParameters, ToolParameters};
+use plant::residuals::Residuals;
 use plant::screw::Spring;
 
 /// The measured motion of a motor.
@@ -40,7 +41,7 @@ fn of_table(parameters: &AxisParameters) -> AxisParameters {
         tool: ToolParameters::default(),
         servo: ServoParameters::default(),
         latency: Vec::new(),
-        residual_tables: Vec::new(),
+        residuals: Residuals::default(),
         ..parameters.clone()
     }
 }

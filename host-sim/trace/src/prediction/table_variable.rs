@@ -1,4 +1,4 @@
-//! The measured variables of the tables of residuals.
+//! The measured variables of the tables and laws of residuals.
 
 use crate::input::signals::{AxisSignals, Signals};
 use crate::input::smoothing::Smooth;
@@ -12,16 +12,26 @@ pub fn values(signals: &Signals, axis: usize, variable: TableVariable) -> Option
     let millimetres = |axis: &AxisSignals| {
         axis.table_or_motor().map(|smooth: &Smooth| smooth.value.iter().map(|m| 1e3 * m).collect())
     };
-    let direction = |smooth: &Smooth| smooth.velocity.iter().map(|&v| TableVariable::direction(v)).collect();
+    let velocity = |axis: &AxisSignals, of: fn(f64) -> f64| {
+        axis.table_or_motor().map(|smooth| smooth.velocity.iter().map(|&v| of(v)).collect())
+    };
+    let acceleration = |axis: &AxisSignals| axis.table_or_motor().map(|smooth| smooth.acceleration.clone());
+    let same = |value: f64| value;
     match variable {
         TableVariable::PositionMm => millimetres(own),
-        TableVariable::VelocityMPerS => own.table_or_motor().map(|smooth| smooth.velocity.clone()),
-        TableVariable::AccelerationMPerS2 => own.table_or_motor().map(|smooth| smooth.acceleration.clone()),
-        TableVariable::Direction => own.table_or_motor().map(direction),
+        TableVariable::VelocityMPerS => velocity(own, same),
+        TableVariable::SpeedMPerS => velocity(own, f64::abs),
+        TableVariable::Direction => velocity(own, TableVariable::direction),
+        TableVariable::AccelerationMPerS2 => acceleration(own),
         TableVariable::ForceN => own.force.as_ref().map(|force| force.value.clone()),
-        TableVariable::OtherPositionMm => millimetres(other()?),
-        TableVariable::OtherAccelerationMPerS2 => {
-            other()?.table_or_motor().map(|smooth| smooth.acceleration.clone())
+        TableVariable::TimeS => {
+            let time_s = |sample: usize| signals.start_s + sample as f64 * signals.sample_s;
+            Some((0..signals.len()).map(time_s).collect())
         }
+        TableVariable::OtherPositionMm => millimetres(other()?),
+        TableVariable::OtherVelocityMPerS => velocity(other()?, same),
+        TableVariable::OtherDirection => velocity(other()?, TableVariable::direction),
+        TableVariable::OtherAccelerationMPerS2 => acceleration(other()?),
     }
 }
+

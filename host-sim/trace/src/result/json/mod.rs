@@ -1,10 +1,11 @@
 //! The result of a trace as JSON, for `trace --json`; described in `docs/files.md`, with the schema `docs/trace.schema.json`.
 //!
-//! [`Document`] is its type: lists of [`effect`]s, [`residual`]s and other [`entries`], with [`figures`].
+//! [`Document`] is its type: lists of [`effect`]s, [`residual`]s, [`law`]s and other [`entries`], with [`figures`].
 
 pub mod effect;
 pub mod entries;
 pub mod figures;
+pub mod law;
 pub mod residual;
 
 use contour::log_error::LogError;
@@ -16,6 +17,7 @@ use super::identification::{AxisIdentification, Identification};
 use super::verdict::{self, Verdict};
 use effect::{DroppedEffect, Effect, Refused};
 use entries::{AmbiguousPair, CommonFactor, DataFault, FittedValue, NotTestable};
+use law::Law;
 use residual::{EmpiricalTable, FreeRun, Repeatability, Residual, Unexplained};
 
 /// Version of the schema: it changes where a key is removed, or its values mean something else.
@@ -49,6 +51,8 @@ pub struct Document {
     pub dropped: Vec<DroppedEffect>,
     /// What remains above the noise.
     pub unexplained: Vec<Unexplained>,
+    /// What remains above the noise as equations, where held-out logs support one.
+    pub laws: Vec<Law>,
     /// Channels and effects that could not be evaluated.
     pub not_testable: Vec<NotTestable>,
     /// Sentences about the logs.
@@ -93,6 +97,7 @@ impl Document {
             unexplained: of_axes(trace, |axis| {
                 axis.unexplained.iter().map(|left| Unexplained::of(axis, left)).collect()
             }),
+            laws: of_axes(trace, |axis| axis.laws.iter().map(|law| Law::of(axis, law)).collect()),
             not_testable: not_testable(trace),
             notes: trace.notes().to_vec(),
             ambiguities: of_axes(trace, |axis| {

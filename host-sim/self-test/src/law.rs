@@ -1,0 +1,152 @@
+//! Laws of the tool that are drawn at random: errors that no effect of the catalogue describes.
+
+use std::f64::consts::TAU;
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use super::plant::State;
+
+/// Speed within which the direction turns over, m/s.
+const TURNING_M_PER_S: f64 = 5e-5;
+
+/// A form of a term, of the table's motion on its own axis and on the other one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Form {
+    /// Position times other position.
+    OwnTimesOther,
+    /// Absolute value of the velocity.
+    Speed,
+    /// Position times direction.
+    OwnTimesDirection,
+    /// Position squared times direction.
+    VelocitySquared,
+    /// Other position cubed.
+    OtherCubed,
+    /// Velocity times other position.
+    VelocityTimesOther,
+    /// Acceleration times other position.
+    AccelerationTimesOther,
+    /// Direction of the other axis.
+    OtherDirection,
+    /// Velocity of the other axis.
+    OtherVelocity,
+    /// Direction times other position.
+    DirectionTimesOther,
+    /// Direction, decaying after each reversal over a distance, m.
+    Reversal(f64),
+    /// Wave over the other position with a period (m) and a phase.
+    OtherWave(f64, f64),
+}
+
+/// A term of a law: what it adds to the tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LawTerm {
+    /// Its form.
+    pub form: Form,
+    /// Its factor, in m per SI unit of the form.
+    pub factor: f64,
+}
+
+/// The last reversal of an axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LastReversal {
+    forwards: Option<bool>,
+    at_m: Option<f64>,
+}
+
+impl LastReversal {
+    /// Follows the table by a step.
+    pub fn follow(&mut self, state: &State) {
+        if state.table_m_per_s.abs() < 2.0 * TURNING_M_PER_S {
+            return;
+        }
+        let forwards = state.table_m_per_s > 0.0;
+        if self.forwards.is_some_and(|before| before != forwards) {
+            self.at_m = Some(state.table_m);
+        }
+        self.forwards = Some(forwards);
+    }
+}
+
+fn direction(m_per_s: f64) -> f64 {
+    m_per_s / (m_per_s.abs() + TURNING_M_PER_S)
+}
+
+impl LawTerm {
+    /// What the term adds to the tool, m.
+    #[must_use]
+    pub fn at(&self, own: &State, other: &State, last: &LastReversal) -> f64 {
+        self.factor
+            * match self.form {
+                Form::OwnTimesOther => own.table_m * other.table_m,
+                Form::Speed => own.table_m_per_s.abs(),
+                Form::OwnTimesDirection => own.table_m * direction(own.table_m_per_s),
+                Form::VelocitySquared => own.table_m_per_s * own.table_m_per_s,
+                Form::OtherCubed => other.table_m * other.table_m * other.table_m,
+                Form::VelocityTimesOther => own.table_m_per_s * other.table_m,
+                Form::AccelerationTimesOther => own.table_m_per_s2 * other.table_m,
+                Form::OtherDirection => direction(other.table_m_per_s),
+                Form::OtherVelocity => other.table_m_per_s,
+                Form::DirectionTimesOther => direction(own.table_m_per_s) * other.table_m,
+                Form::Reversal(distance_m) => last.at_m.map_or(0.0, |at_m| {
+                    let sign = if last.forwards == Some(true) { 1.0 } else { -1.0 };
+                    sign * libm::exp(-(own.table_m - at_m).abs() / distance_m)
+                }),
+                Form::OtherWave(period_m, phase) => libm::sin(TAU * other.table_m / period_m + phase),
+            }
+    }
+}
+
+impl Form {
+    /// Draws a form.
+    pub fn draw(random: &mut ChaCha8Rng) -> Self {
+        let fixed = [
+            Self::OwnTimesOther,
+            Self::Speed,
+            Self::OwnTimesDirection,
+            Self::VelocitySquared,
+            Self::OtherCubed,
+            Self::VelocityTimesOther,
+            Self::AccelerationTimesOther,
+            Self::OtherDirection,
+            Self::OtherVelocity,
+            Self::DirectionTimesOther,
+        ];
+        match random.random_range(0..12) {
+            10 => Self::Reversal(1e-3 * random.random_range(1.0..20.0)),
+            11 => Self::OtherWave(1e-3 * random.random_range(8.0..40.0), random.random_range(0.0..TAU)),
+            index => fixed[index],
+        }
+    }
+
+    /// Kind and variables of the term in the result of a trace.
+    #[must_use]
+    pub fn described(&self) -> (&'static str, &'static [&'static str]) {
+        match self {
+            Self::OwnTimesOther => ("product", &["position_mm", "other_position_mm"]),
+            Self::Speed => ("product", &["speed_m_per_s"]),
+            Self::OwnTimesDirection => ("product", &["position_mm", "direction"]),
+            Self::VelocitySquared => ("product", &["velocity_m_per_s", "velocity_m_per_s"]),
+            Self::OtherCubed => {
+                ("product", &["other_position_mm", "other_position_mm", "other_position_mm"])
+            }
+            Self::VelocityTimesOther => ("product", &["velocity_m_per_s", "other_position_mm"]),
+            Self::AccelerationTimesOther => ("product", &["acceleration_m_per_s2", "other_position_mm"]),
+            Self::OtherDirection => ("product", &["other_direction"]),
+            Self::OtherVelocity => ("product", &["other_velocity_m_per_s"]),
+            Self::DirectionTimesOther => ("product", &["direction", "other_position_mm"]),
+            Self::Reversal(_) => ("reversal", &["direction"]),
+            Self::OtherWave(..) => ("wave", &["other_position_mm"]),
+        }
+    }
+
+    /// Its period or distance, mm.
+    #[must_use]
+    pub fn length_mm(&self) -> Option<f64> {
+        match self {
+            Self::Reversal(m) | Self::OtherWave(m, _) => Some(1e3 * m),
+            _ => None,
+        }
+    }
+}

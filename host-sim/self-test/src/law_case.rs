@@ -1,0 +1,231 @@
+//! Machines whose tool follows a law of one to three terms, and nothing else that the machine file does not declare: whether a trace
+//! finds the law.
+//!
+//! The size of a term is the rms of what it adds to the tool over the logs to fit, divided by the noise of the probe.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde_json::{Value, json};
+
+use super::case::{Case, Purpose, run_session, stream};
+use super::draw::{self, Drawn, Motion};
+use super::kind::Kind;
+use super::law::{Form, LawTerm};
+use super::machine::{AXES, Axis};
+use super::sensors::Sensors;
+use files::error::InputError;
+use files::log::Log;
+
+/// Sizes of a term in units of the noise, log-uniform.
+const SIZES: [f64; 2] = [3.0, 100.0];
+
+/// Largest relative error of a period or a distance that was found.
+const MAX_LENGTH_ERROR: f64 = 0.25;
+
+/// A machine with a law.
+pub struct LawCase {
+    /// Index of the axis.
+    pub axis: usize,
+    /// The true terms with their sizes.
+    pub terms: Vec<(LawTerm, f64)>,
+    /// The machine with its logs.
+    pub case: Case,
+}
+
+impl LawCase {
+    /// Draws a case, which follows from seed and number.
+    ///
+    /// # Errors
+    /// As [`Case::draw`].
+    pub fn draw(seed: u64, number: u64) -> Result<Self, InputError> {
+        // One above that of the detection curve.
+        let stream = |purpose| stream(Kind::ALL.len() as u64 + 1, seed, number, purpose);
+        let mut random = stream(Purpose::Machine);
+        let mut drawn = draw::machine(&draw::WITHIN_TOLERANCE, &mut random);
+        let session = draw::session(&mut random);
+        let axis = random.random_range(0..AXES.len());
+        let mut terms: Vec<(LawTerm, f64)> = Vec::new();
+        let count = random.random_range(1..=3);
+        while terms.len() < count {
+            let form = Form::draw(&mut random);
+            if terms.iter().any(|(known, _)| known.form.described() == form.described()) {
+                continue;
+            }
+            let size = SIZES[0] * libm::pow(SIZES[1] / SIZES[0], random.random_range(0.0..1.0));
+            let sign = if random.random_bool(0.5) { 1.0 } else { -1.0 };
+            let unit = LawTerm { form, factor: 1.0 };
+            let noise_m = 1e-3 * drawn.axes[axis].sensors.tool.deviation();
+            let factor = sign * size * noise_m / rms_m(unit, axis, &drawn, &session);
+            terms.push((LawTerm { form, factor }, size));
+        }
+        drawn.axes[axis].law = terms.iter().map(|(term, _)| *term).collect();
+        let logs = run_session(&drawn, &session, |log| stream(Purpose::Log(log)));
+        let case = Case::new((Kind::Textbook, number), &drawn, Vec::new(), logs)?;
+        Ok(Self { axis, terms, case })
+    }
+}
+
+/// Rms of what a term adds to the tool over the logs to fit, m.
+fn rms_m(term: LawTerm, axis: usize, bare: &Drawn, session: &[Motion]) -> f64 {
+    // Small enough not to overflow the resolution of a log, large enough to be exact in it.
+    const SCALE: f64 = 1e-6;
+    let fit: Vec<Motion> = session.iter().filter(|motion| motion.name.starts_with("fit")).cloned().collect();
+    let tool = |law: Vec<LawTerm>| {
+        let mut axes = bare.axes.clone().map(|axis| Axis { sensors: Sensors::ideal(), ..axis });
+        axes[axis].law = law;
+        let logs = run_session(&Drawn { axes, ..bare.clone() }, &fit, |_| ChaCha8Rng::seed_from_u64(0));
+        let of_log = |log: Log| log.axes[axis].tool.clone().unwrap_or_default();
+        logs.into_iter().flat_map(of_log).collect::<Vec<f64>>()
+    };
+    let scaled = LawTerm { factor: SCALE * term.factor, ..term };
+    let (with, without) = (tool(vec![scaled]), tool(Vec::new()));
+    1e-3 * numerics::rms(with.iter().zip(&without).map(|(a, b)| a - b)) / SCALE
+}
+
+/// What a trace finds of a law.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LawOutcome {
+    /// Number of the case.
+    pub number: u64,
+    /// The true terms: kind, variables and size.
+    pub truths: Vec<Value>,
+    /// The terms found on the axis of the law.
+    pub found: Vec<Value>,
+    /// Whether the law has the true terms and no others.
+    pub is_right: bool,
+    /// Terms that are stated as certain and not true, of all axes, and effects that are stated as certain.
+    pub false_terms: Vec<String>,
+    /// Rms that remains on the held-out logs over the noise.
+    pub left: Option<f64>,
+}
+
+impl LawOutcome {
+    /// Compares the JSON of a trace with the true law.
+    #[must_use]
+    pub fn of(law: &LawCase, trace: &Value) -> Self {
+        let axis = AXES[law.axis];
+        let entries = |key: &str| trace[key].as_array().cloned().unwrap_or_default();
+        let is_of_law = |entry: &Value| entry["axis"] == axis && entry["channel"] == "tool";
+        let mut found = Vec::new();
+        let mut false_terms = Vec::new();
+        for entry in entries("laws") {
+            for term in entry["terms"].as_array().into_iter().flatten() {
+                let is_true = is_of_law(&entry) && law.terms.iter().any(|(truth, _)| is_same(&truth.form, term));
+                if term["is_certain"] == true && !is_true {
+                    false_terms.push(format!("{}: {}", entry["axis"], term["form"]));
+                }
+                if is_of_law(&entry) {
+                    found.push(term.clone());
+                }
+            }
+        }
+        for effect in entries("effects").iter().filter(|effect| effect["certainty"] == "certain") {
+            false_terms.push(format!("{}: {}", effect["axis"], effect["name"]));
+        }
+        let is_found = |(truth, _): &(LawTerm, f64)| found.iter().any(|term| is_same(&truth.form, term));
+        let of_channel = entries("residual").into_iter().find(is_of_law).unwrap_or_default();
+        let of_law = entries("laws").into_iter().find(is_of_law).map(|entry| entry["after"]["validate"].as_f64());
+        let after = of_law.unwrap_or_else(|| of_channel["after_um"]["validate"].as_f64());
+        Self {
+            number: law.case.number,
+            truths: law.terms.iter().map(truth).collect(),
+            is_right: law.terms.iter().all(is_found) && found.len() == law.terms.len(),
+            found,
+            false_terms,
+            left: after.zip(of_channel["noise_um"].as_f64()).map(|(after, noise)| after / noise),
+        }
+    }
+
+    /// Its entry in the JSON of the self-test.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        json!({
+            "case": self.number,
+            "truth": self.truths,
+            "found": self.found,
+            "is_right": self.is_right,
+            "false": self.false_terms,
+            "left_over_noise": self.left,
+        })
+    }
+}
+
+fn truth((term, size): &(LawTerm, f64)) -> Value {
+    let (kind, of) = term.form.described();
+    json!({"kind": kind, "of": of, "length_mm": term.form.length_mm(), "size": size})
+}
+
+/// Whether a term that was found has the form of a true one.
+fn is_same(form: &Form, term: &Value) -> bool {
+    let (kind, of) = form.described();
+    let length = ["period_mm", "distance_mm"].iter().find_map(|key| term[*key].as_f64());
+    let is_near = match (form.length_mm(), length) {
+        (Some(truth), Some(found)) => (found / truth - 1.0).abs() < MAX_LENGTH_ERROR,
+        (truth, _) => truth.is_none(),
+    };
+    let sorted = |mut names: Vec<String>| {
+        names.sort_unstable();
+        names
+    };
+    let names = term["of"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    let found = sorted(names.map(str::to_owned).collect());
+    term["kind"] == kind && is_near && found == sorted(of.iter().map(|name| (*name).to_owned()).collect())
+}
+
+/// The summary of the cases: sentences.
+#[must_use]
+pub fn summary(seed: u64, outcomes: &[LawOutcome]) -> String {
+    let n = outcomes.len();
+    let count = |is: fn(&LawOutcome) -> bool| outcomes.iter().filter(|outcome| is(outcome)).count();
+    let right = count(|outcome| outcome.is_right);
+    let wrong = count(|outcome| !outcome.false_terms.is_empty());
+    let left = count(|outcome| outcome.left.is_some_and(|left| left < 1.3));
+    let mut lines = vec![
+        format!("Laws of the tool on {n} machines, seed {seed}, one to three terms of 3 to 100 times the noise:"),
+        format!("exactly the true terms on {right} of {n}; a false term or effect stated as certain on {wrong};"),
+        format!("at most 1.3 times the noise left on held-out motions of {left}."),
+    ];
+    for outcome in outcomes.iter().filter(|outcome| !outcome.is_right || !outcome.false_terms.is_empty()) {
+        let of = |terms: &[Value], key: &str| {
+            let names = terms.iter().map(|term| term[key].to_string().replace('"', ""));
+            names.collect::<Vec<_>>().join("; ")
+        };
+        lines.push(format!(
+            "case {}: true {}; found {}{}",
+            outcome.number,
+            of(&outcome.truths, "of"),
+            of(&outcome.found, "form"),
+            if outcome.false_terms.is_empty() {
+                String::new()
+            } else {
+                format!("; false and certain: {}", outcome.false_terms.join(", "))
+            }
+        ));
+    }
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[ignore = "measurement"]
+    fn measure() {
+        let env = |name: &str, or: u64| std::env::var(name).ok().and_then(|n| n.parse().ok()).unwrap_or(or);
+        let (seed, from, to) = (env("SEED", 9001), env("FROM", 1), env("TO", 12));
+        let mut all = Vec::new();
+        for number in from..=to {
+            let law = LawCase::draw(seed, number).unwrap();
+            let trace = crate::traced(&law.case, &|_| ()).unwrap();
+            let outcome = LawOutcome::of(&law, &trace);
+            println!("== {number} axis {} {:?} right {} left {:?}", law.axis, law.terms.iter().map(|(t, size)| (t.form, *size)).collect::<Vec<_>>(), outcome.is_right, outcome.left);
+            for e in trace["effects"].as_array().unwrap() { println!("   effect {} {} {} {}", e["axis"], e["name"], e["certainty"], e["rivals"]); }
+            for l in trace["laws"].as_array().unwrap() { println!("   law {} {} {} {} {}", l["axis"], l["channel"], l["equation"], l["before"], l["after"]); for t in l["terms"].as_array().unwrap() { println!("       {} t {} certain {} rivals {}", t["form"], t["held_out_t"], t["is_certain"], t["rivals"]); } }
+            for r in trace["residual"].as_array().unwrap() { if r["channel"] == "tool" { println!("   residual {r}"); } }
+            for r in trace["unexplained"].as_array().unwrap() { println!("   unexplained {r}"); }
+            all.push(outcome);
+        }
+        println!("{}", summary(seed, &all));
+    }
+}

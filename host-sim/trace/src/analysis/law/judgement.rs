@@ -1,0 +1,137 @@
+//! Which terms of a chosen law held-out logs support, which of them have a rival, and the intervals of their coefficients.
+
+use super::FoundTerm;
+use super::choice::{Chosen, improvement_t, price};
+use super::samples::{Normal, Samples, columns_of};
+use super::subsets::{Subset, solved};
+use crate::fit::fit_data::FitAndValidationRms;
+use crate::fit::normal_equations::FOLDS;
+use crate::options::SearchOptions;
+use model::residual_law::Term;
+use numerics::distributions::student_t_975;
+
+/// A law is a rival of one that leaves less by no more than this many standard errors.
+const MAX_AMBIGUOUS_T: f64 = 2.0;
+
+/// A law whose terms are all supported.
+pub struct Judged {
+    /// Its constant.
+    pub constant: f64,
+    /// Its terms.
+    pub terms: Vec<FoundTerm>,
+    /// Rms without it.
+    pub before: FitAndValidationRms,
+    /// Rms with it.
+    pub after: FitAndValidationRms,
+}
+
+/// The largest law of a choice of which the held-out logs support each term; `None` if they support none.
+#[must_use]
+pub fn judged(chosen: &Chosen, held_out: &Samples<'_>, options: &SearchOptions) -> Option<Judged> {
+    let held_out = held_out.normal(&chosen.library.terms);
+    let total = Normal::sum(chosen.blocks.iter())?;
+    let left = |subset: &Subset| held_out.iter().map(|block| block.squares_with(&subset.coefficients)).sum::<f64>();
+    let smaller = (1..=chosen.size).rev().map(|size| Chosen { size, ..chosen.clone() });
+    let (chosen, best, held_out_t) = smaller.into_iter().find_map(|chosen| {
+        let best = chosen.best()?.clone();
+        let t = chosen.library.t_of_terms(&held_out, &best);
+        let is_better = |&term: &usize| {
+            let others = best.terms.iter().copied().filter(|&other| other != term).collect();
+            let without = chosen.library.fitted(&total, others, 1.0);
+            without.is_some_and(|without| left(&best) * price(options) < left(&without))
+        };
+        let is_supported = t.iter().all(|t| *t >= options.min_t_of(held_out.len()));
+        (is_supported && best.terms.iter().all(is_better)).then_some((chosen, best, t))
+    })?;
+    let alike = rivals(&chosen, &best, options);
+    let of_folds = of_folds(&chosen, options);
+    let half_widths = half_widths(&chosen.blocks, &best);
+    let with = chosen.library.with_coefficients(&best);
+    let mut column = chosen.library.always - 1;
+    let terms = with.into_iter().zip(held_out_t).map(|(term, held_out_t)| {
+        let mut half = [0.0; 2];
+        for half in &mut half[..columns_of(&term)] {
+            column += 1;
+            *half = half_widths.get(column).copied().unwrap_or(f64::NAN);
+        }
+        let has = |law: &[Term]| law.iter().any(|other| chosen.is_same_form(&term, other));
+        FoundTerm {
+            rivals: replaced(&chosen, &term, &alike),
+            is_in_all_folds: of_folds.iter().all(|law| has(law)),
+            half_widths: half,
+            held_out_t,
+            term,
+        }
+    });
+    let terms = terms.collect();
+    let rms = |blocks: &[Normal], coefficients: &[(usize, f64)]| {
+        let squares: f64 = blocks.iter().map(|block| block.squares_with(coefficients)).sum();
+        let samples: usize = blocks.iter().map(|block| block.samples).sum();
+        (squares / samples.max(1) as f64).sqrt()
+    };
+    let both = |coefficients: &[(usize, f64)]| FitAndValidationRms {
+        fit: rms(&chosen.blocks, coefficients),
+        validate: rms(&held_out, coefficients),
+    };
+    let without = chosen.library.fitted(&total, Vec::new(), 1.0)?;
+    Some(Judged {
+        constant: best.coefficients[0].1,
+        terms,
+        before: both(&without.coefficients),
+        after: both(&best.coefficients),
+    })
+}
+
+/// The laws of the same size that these logs do not distinguish from the best one: the difference is below the significance of an
+/// ambiguity, or what they leave beyond the best is below the price of a value.
+fn rivals(chosen: &Chosen, best: &Subset, options: &SearchOptions) -> Vec<Vec<Term>> {
+    let is_alike = |other: &&Subset| {
+        other.terms != best.terms
+            && (other.squares < price(options) * best.squares
+                || improvement_t(&chosen.blocks, other, best) < MAX_AMBIGUOUS_T)
+    };
+    let alike = chosen.by_size[chosen.size].iter().filter(is_alike);
+    alike.map(|subset| chosen.library.with_coefficients(subset)).collect()
+}
+
+/// The terms that replace a term in rival laws, each once.
+fn replaced(chosen: &Chosen, term: &Term, rivals: &[Vec<Term>]) -> Vec<Term> {
+    let best = chosen.best().map(|best| chosen.library.with_coefficients(best)).unwrap_or_default();
+    let is_in = |law: &[Term], one: &Term| law.iter().any(|other| chosen.is_same_form(one, other));
+    let mut all: Vec<Term> = Vec::new();
+    for law in rivals.iter().filter(|law| !is_in(law, term)) {
+        for other in law.iter().filter(|other| !is_in(&best, other)) {
+            if !is_in(&all, other) {
+                all.push(other.clone());
+            }
+        }
+    }
+    all
+}
+
+/// The best law of the same size of the samples without each fold.
+fn of_folds(chosen: &Chosen, options: &SearchOptions) -> Vec<Vec<Term>> {
+    let law = |fold: usize| {
+        let total = Normal::sum(chosen.blocks.iter().filter(|block| block.fold != fold))?;
+        let by_size = chosen.library.best(&total, chosen.size, price(options));
+        Some(chosen.library.with_coefficients(by_size[chosen.size].first()?))
+    };
+    (0..FOLDS).map(|fold| law(fold).unwrap_or_default()).collect()
+}
+
+/// Half of the 95 % interval of each coefficient, by leaving out one block at a time.
+fn half_widths(blocks: &[Normal], best: &Subset) -> Vec<f64> {
+    let columns: Vec<usize> = best.coefficients.iter().map(|(column, _)| *column).collect();
+    let without = |left_out: usize| {
+        let others = blocks.iter().enumerate().filter(|(i, _)| *i != left_out).map(|(_, block)| block);
+        solved(&Normal::sum(others)?, &columns)
+    };
+    let fits: Vec<Vec<f64>> = (0..blocks.len()).filter_map(without).collect();
+    let n = fits.len() as f64;
+    let half_width = |i: usize| {
+        let mean = numerics::mean(fits.iter().map(|fit| fit[i]));
+        let squares: f64 = fits.iter().map(|fit| (fit[i] - mean).powi(2)).sum();
+        student_t_975(fits.len().saturating_sub(1)) * ((n - 1.0) / n * squares).sqrt()
+    };
+    (0..columns.len()).map(half_width).collect()
+}

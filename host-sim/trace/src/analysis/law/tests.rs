@@ -1,0 +1,209 @@
+//! Laws that are drawn at random, computed from the motion and not by the code under test.
+
+use std::f64::consts::TAU;
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::*;
+use crate::input::signals::Signals;
+use crate::options::TraceOptions;
+use files::log::{AxisLog, Log, Unit};
+use model::residual_law::WavePosition;
+use model::residual_table::TableVariable as V;
+use shared::config::Rates;
+
+const SAMPLE_S: f64 = 1e-3;
+const NOISE_UM: f64 = 0.02;
+
+/// Motion of an axis: a sum of two sines, whose derivatives are known.
+#[derive(Clone, Copy)]
+struct Motion {
+    amplitude_mm: [f64; 2],
+    rad_per_s: [f64; 2],
+    phase: f64,
+}
+
+/// Position (mm), velocity (m/s) and acceleration (m/s²).
+#[derive(Clone, Copy)]
+struct Moved {
+    mm: f64,
+    m_per_s: f64,
+    m_per_s2: f64,
+}
+
+impl Motion {
+    fn at(&self, time_s: f64) -> Moved {
+        let mut moved = Moved { mm: 0.0, m_per_s: 0.0, m_per_s2: 0.0 };
+        for (amplitude, w) in self.amplitude_mm.into_iter().zip(self.rad_per_s) {
+            let (sine, cosine) = (w * time_s + self.phase).sin_cos();
+            moved.mm += amplitude * sine;
+            moved.m_per_s += 1e-3 * amplitude * w * cosine;
+            moved.m_per_s2 -= 1e-3 * amplitude * w * w * sine;
+        }
+        moved
+    }
+}
+
+/// One log: the motion of two axes over 12 s.
+fn motions(random: &mut ChaCha8Rng) -> [Motion; 2] {
+    std::array::from_fn(|_| Motion {
+        amplitude_mm: [random.random_range(30.0..70.0), random.random_range(1.0..6.0)],
+        rad_per_s: [random.random_range(0.8..2.5), random.random_range(4.0..9.0)],
+        phase: random.random_range(0.0..TAU),
+    })
+}
+
+/// A true term: its form, and its value along a log by formulas of its own.
+#[derive(Clone, Debug)]
+struct Truth {
+    term: Term,
+    size_um: f64,
+}
+
+fn drawn(random: &mut ChaCha8Rng) -> Term {
+    let product = |of: &[V]| Term::Product { of: of.to_vec(), coefficient: 1.0 };
+    let over = [WavePosition::PositionMm, WavePosition::OtherPositionMm][random.random_range(0..2)];
+    match random.random_range(0..12) {
+        0 => product(&[V::PositionMm, V::OtherPositionMm]),
+        1 => product(&[V::SpeedMPerS]),
+        2 => product(&[V::PositionMm, V::Direction]),
+        3 => product(&[V::PositionMm, V::PositionMm]),
+        4 => product(&[V::OtherPositionMm, V::OtherPositionMm, V::OtherPositionMm]),
+        5 => product(&[V::VelocityMPerS, V::OtherPositionMm]),
+        6 => product(&[V::AccelerationMPerS2, V::OtherPositionMm]),
+        7 => product(&[V::OtherDirection]),
+        8 => product(&[V::OtherVelocityMPerS]),
+        9 => product(&[V::Direction, V::OtherPositionMm]),
+        10 => Term::Reversal { distance_mm: random.random_range(2.0..20.0), coefficient: 1.0 },
+        _ => {
+            let (cosine, sine) = random.random_range(0.0..TAU).sin_cos();
+            Term::Wave { over, period_mm: random.random_range(8.0..50.0), cosine, sine }
+        }
+    }
+}
+
+/// The values of a term along a log.
+fn values(term: &Term, motion: &[Motion; 2], samples: usize) -> Vec<f64> {
+    let mut reversal: Option<(f64, f64)> = None;
+    let mut before = 0.0;
+    let at = (0..samples).map(|i| {
+        let [own, other] = [0, 1].map(|axis| motion[axis].at(i as f64 * SAMPLE_S));
+        if own.m_per_s * before < 0.0 {
+            reversal = Some((own.mm, own.m_per_s.signum()));
+        }
+        before = own.m_per_s;
+        let factor = |variable: &V| match variable {
+            V::PositionMm => own.mm,
+            V::VelocityMPerS => own.m_per_s,
+            V::SpeedMPerS => own.m_per_s.abs(),
+            V::AccelerationMPerS2 => own.m_per_s2,
+            V::Direction => own.m_per_s.signum(),
+            V::OtherPositionMm => other.mm,
+            V::OtherVelocityMPerS => other.m_per_s,
+            V::OtherAccelerationMPerS2 => other.m_per_s2,
+            V::OtherDirection => other.m_per_s.signum(),
+            V::ForceN | V::TimeS => f64::NAN,
+        };
+        match term {
+            Term::Product { of, .. } => of.iter().map(factor).product(),
+            Term::Wave { over, period_mm, cosine, sine } => {
+                let mm = if *over == WavePosition::PositionMm { own.mm } else { other.mm };
+                cosine * (TAU * mm / period_mm).cos() + sine * (TAU * mm / period_mm).sin()
+            }
+            Term::Reversal { distance_mm, .. } => reversal
+                .map_or(0.0, |(mm, direction)| direction * (-(own.mm - mm).abs() / distance_mm).exp()),
+        }
+    });
+    at.collect()
+}
+
+/// The law found of a residual with these true terms, with what it is judged by.
+struct Case {
+    truths: Vec<Truth>,
+    found: Option<FoundLaw>,
+}
+
+fn signals(motion: &[Motion; 2], name: &str, start_s: f64) -> Signals {
+    let axes = ["x", "y"].into_iter().zip(motion).map(|(axis, motion)| {
+        let mut log = AxisLog::new(axis, Unit::Millimetre);
+        log.table = Some((0..SAMPLES).map(|i| motion.at(i as f64 * SAMPLE_S).mm).collect());
+        log.tool = log.table.clone();
+        log
+    });
+    let log = Log::new(name, start_s, SAMPLE_S, axes);
+    Signals::new(&log, &["x".to_owned(), "y".to_owned()], &TraceOptions::default().samples)
+}
+
+const SAMPLES: usize = 12_000;
+
+fn case(seed: u64, terms: usize) -> Case {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut truths: Vec<Truth> = Vec::new();
+    while truths.len() < terms {
+        let term = drawn(&mut random);
+        let size_um = NOISE_UM * 3.0 * (100.0f64 / 3.0).powf(random.random());
+        if truths.iter().all(|known| std::mem::discriminant(&known.term) != std::mem::discriminant(&term) || matches!(term, Term::Product { .. }) && known.term != term) {
+            truths.push(Truth { term, size_um });
+        }
+    }
+    let logs: Vec<[Motion; 2]> = (0..5).map(|_| motions(&mut random)).collect();
+    let of_terms: Vec<Vec<Vec<f64>>> =
+        truths.iter().map(|truth| logs.iter().map(|log| values(&truth.term, log, SAMPLES)).collect()).collect();
+    let residual = |log: usize, random: &mut ChaCha8Rng| {
+        let mut sum: Vec<f64> = (0..SAMPLES).map(|_| NOISE_UM * normal(random)).collect();
+        for (truth, values) in truths.iter().zip(&of_terms) {
+            let rms = numerics::rms(values.iter().flatten().copied());
+            sum.iter_mut().zip(&values[log]).for_each(|(sum, value)| *sum += truth.size_um / rms * value);
+        }
+        sum
+    };
+    let of_logs: Vec<Signals> =
+        logs.iter().zip(0..).map(|(log, i)| signals(log, &format!("{i}"), 20.0 * f64::from(i))).collect();
+    let residuals: Vec<Vec<f64>> = (0..5).map(|log| residual(log, &mut random)).collect();
+    let names = ["x".to_owned(), "y".to_owned()];
+    let rates = Rates { velocity_loop_hz: 1000.0, position_loop_divider: 1 };
+    let options = TraceOptions::default();
+    let (fit, validate) = of_logs.split_at(3);
+    let [fit, validate] = [fit, validate].map(|logs| FitData::new(logs, &names, 0, rates, &options));
+    let series = |logs: &[Vec<f64>]| -> Vec<ResidualSeries> {
+        let of = |(log, values): (usize, &Vec<f64>)| ResidualSeries { stage: Stage::Tool, log, values: values.clone() };
+        logs.iter().enumerate().map(of).collect()
+    };
+    let (of_fit, of_validation) = residuals.split_at(3);
+    let (of_fit, of_validation) = (series(of_fit), series(of_validation));
+    let left = |data, residuals| Left { data, residuals, free: &[] };
+    Case { truths, found: law(&left(&fit, &of_fit), &left(&validate, &of_validation), Stage::Tool, NOISE_UM) }
+}
+
+#[test]
+#[ignore = "measurement"]
+fn measure() {
+    let (mut right, mut wrong, mut within, mut all) = (0, 0, 0, 0);
+    for seed in 0..60 {
+        let started = std::time::Instant::now();
+        let case = case(seed, 1 + (seed % 3) as usize);
+        let found = case.found.as_ref().map(|law| law.terms.clone()).unwrap_or_default();
+        let alike = |a: &Term, b: &Term| library::is_same_form(a, b, |_| 140.0);
+        let is_right = case.truths.iter().all(|truth| found.iter().any(|f| alike(&f.term, &truth.term)))
+            && found.len() == case.truths.len();
+        let is_false = found.iter().any(|f| case.found.as_ref().is_some_and(|law| law.is_certain(f)) && !case.truths.iter().any(|t| alike(&f.term, &t.term)));
+        let ratio = case.found.as_ref().map_or(f64::NAN, |law| law.after.validate / NOISE_UM);
+        all += 1;
+        right += usize::from(is_right);
+        wrong += usize::from(is_false);
+        within += usize::from(ratio < 1.3);
+        println!("{seed} {is_right} {is_false} {ratio:.3} {:.1} s", started.elapsed().as_secs_f64());
+        if !is_right || is_false {
+            println!("   truth {:?}", case.truths);
+            for f in &found { println!("   found {:?} certain {} t {:.1} rivals {:?}", f.term, case.found.as_ref().is_some_and(|law| law.is_certain(f)), f.held_out_t, f.rivals); }
+        }
+    }
+    println!("right {right} false {wrong} within {within} of {all}");
+}
+
+/// A standard normal deviate (Box and Muller).
+fn normal(random: &mut ChaCha8Rng) -> f64 {
+    let (u, v): (f64, f64) = (random.random_range(1e-12..1.0), random.random());
+    (-2.0 * u.ln()).sqrt() * (TAU * v).cos()
+}
