@@ -64,10 +64,9 @@ pub enum Term {
         /// Amplitude of the sine.
         sine: f64,
     },
-    /// A coefficient times the direction of motion, which decays from each reversal on: exp(−travel since the reversal/distance).
-    /// Zero before the first reversal.
-    Reversal {
-        /// Travel in which it decays to 1/e, mm.
+    /// A coefficient times the [`Hysteresis`] of the position.
+    Hysteresis {
+        /// Travel after a reversal in which all but 1/e of the way to the other end is gone, mm.
         distance_mm: f64,
         /// The coefficient.
         coefficient: f64,
@@ -78,52 +77,39 @@ pub enum Term {
 pub trait Variables {
     /// The value of a variable in its unit.
     fn value(&self, variable: TableVariable) -> f64;
-    /// Travel and direction since the last reversal.
-    fn since_reversal(&self) -> SinceReversal;
 }
 
-/// Travel and direction of an axis since its last reversal.
+/// A memory of the direction of travel: after a reversal it approaches the new direction, −1 or 1, by dz = (direction − z)·|dx|/distance
+/// (Dahl, 1968). It neither jumps at a reversal nor changes at rest. Zero before the first motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SinceReversal {
-    /// Direction, −1 or 1; 0 before the first motion.
-    direction: f64,
-    /// Position of the last reversal, mm; `None` before the first one.
-    reversal_mm: Option<f64>,
-    /// Position now, mm.
-    position_mm: f64,
+pub struct Hysteresis {
+    value: f64,
+    position_mm: Option<f64>,
 }
 
-impl SinceReversal {
-    /// Moves the axis to a position, where it has a velocity.
-    pub fn advance(&mut self, position_mm: f64, velocity_m_per_s: f64) {
-        let direction = TableVariable::direction(velocity_m_per_s);
-        if direction * self.direction < 0.0 {
-            self.reversal_mm = Some(position_mm);
-        }
-        if direction != 0.0 {
-            self.direction = direction;
-        }
-        self.position_mm = position_mm;
-    }
-
-    /// The direction, decayed over a distance.
-    #[must_use]
-    pub fn decayed(&self, distance_mm: f64) -> f64 {
-        let decay = |reversal_mm: f64| libm::exp(-(self.position_mm - reversal_mm).abs() / distance_mm);
-        self.reversal_mm.map_or(0.0, |reversal_mm| self.direction * decay(reversal_mm))
+impl Hysteresis {
+    /// Moves the axis to a position; gives the value there.
+    pub fn advance(&mut self, position_mm: f64, distance_mm: f64) -> f64 {
+        let moved_mm = position_mm - self.position_mm.unwrap_or(position_mm);
+        let direction = if moved_mm == 0.0 { 0.0 } else { moved_mm.signum() };
+        self.value = direction + (self.value - direction) * libm::exp(-moved_mm.abs() / distance_mm);
+        self.position_mm = Some(position_mm);
+        self.value
     }
 }
 
 impl Term {
-    /// The parts of which the term is a linear combination: one, or cosine and sine of a wave.
-    pub fn parts(&self, at: &impl Variables) -> [f64; 2] {
+    /// The parts of which the term is a linear combination: one, or cosine and sine of a wave. `hysteresis` is that of this term.
+    pub fn parts(&self, at: &impl Variables, hysteresis: &mut Hysteresis) -> [f64; 2] {
         match self {
             Self::Product { of, .. } => [of.iter().map(|variable| at.value(*variable)).product(), 0.0],
             Self::Wave { over, period_mm, .. } => {
                 let phase = TAU * at.value(over.variable()) / period_mm;
                 [libm::cos(phase), libm::sin(phase)]
             }
-            Self::Reversal { distance_mm, .. } => [at.since_reversal().decayed(*distance_mm), 0.0],
+            Self::Hysteresis { distance_mm, .. } => {
+                [hysteresis.advance(at.value(TableVariable::PositionMm), *distance_mm), 0.0]
+            }
         }
     }
 
@@ -131,7 +117,7 @@ impl Term {
     #[must_use]
     pub const fn coefficients(&self) -> [f64; 2] {
         match *self {
-            Self::Product { coefficient, .. } | Self::Reversal { coefficient, .. } => [coefficient, 0.0],
+            Self::Product { coefficient, .. } | Self::Hysteresis { coefficient, .. } => [coefficient, 0.0],
             Self::Wave { cosine, sine, .. } => [cosine, sine],
         }
     }
@@ -141,7 +127,7 @@ impl Term {
     pub fn with(&self, [first, second]: [f64; 2]) -> Self {
         let mut term = self.clone();
         match &mut term {
-            Self::Product { coefficient, .. } | Self::Reversal { coefficient, .. } => *coefficient = first,
+            Self::Product { coefficient, .. } | Self::Hysteresis { coefficient, .. } => *coefficient = first,
             Self::Wave { cosine, sine, .. } => [*cosine, *sine] = [first, second],
         }
         term
@@ -160,7 +146,7 @@ impl Term {
         match self {
             Self::Product { of, .. } => of.clone(),
             Self::Wave { over, .. } => vec![over.variable()],
-            Self::Reversal { .. } => vec![TableVariable::Direction],
+            Self::Hysteresis { .. } => vec![TableVariable::PositionMm],
         }
     }
 }
@@ -172,13 +158,13 @@ impl ResidualLaw {
         self.channel.stage()
     }
 
-    /// Measured − modelled value, µm or N.
-    pub fn value(&self, at: &impl Variables) -> f64 {
-        let of_term = |term: &Term| {
-            let ([a, b], [x, y]) = (term.coefficients(), term.parts(at));
+    /// Measured − modelled value, µm or N. `hystereses` are those of the terms.
+    pub fn value(&self, at: &impl Variables, hystereses: &mut [Hysteresis]) -> f64 {
+        let of_term = |(term, hysteresis): (&Term, &mut Hysteresis)| {
+            let ([a, b], [x, y]) = (term.coefficients(), term.parts(at, hysteresis));
             a * x + b * y
         };
-        self.constant + self.term.iter().map(of_term).sum::<f64>()
+        self.constant + self.term.iter().zip(hystereses).map(of_term).sum::<f64>()
     }
 }
 
@@ -186,26 +172,20 @@ impl ResidualLaw {
 mod tests {
     use super::*;
 
-    struct At(SinceReversal);
+    struct At(f64);
 
     impl Variables for At {
         fn value(&self, variable: TableVariable) -> f64 {
             match variable {
-                TableVariable::PositionMm => 3.0,
+                TableVariable::PositionMm => self.0,
                 TableVariable::OtherPositionMm => -4.0,
                 _ => 7.0,
             }
-        }
-        fn since_reversal(&self) -> SinceReversal {
-            self.0
         }
     }
 
     #[test]
     fn a_law_is_the_sum_of_its_terms() {
-        let mut reversed = SinceReversal::default();
-        // 2 mm on after a reversal.
-        [(1.0, 0.1), (5.0, -0.1), (3.0, -0.1)].iter().for_each(|(mm, v)| reversed.advance(*mm, *v));
         let law: ResidualLaw = toml::from_str(
             r#"channel = "tool"
             constant = 0.25
@@ -220,26 +200,32 @@ mod tests {
             cosine = 9.0
             sine = 2.0
             [[term]]
-            kind = "reversal"
+            kind = "hysteresis"
             distance_mm = 4.0
             coefficient = 3.0"#,
         )
         .unwrap();
-        // −6 of the product; a quarter of a wave: its sine; the direction −1 decays by half a distance.
-        let expected = 0.25 - 6.0 + 2.0 - 3.0 * libm::exp(-0.5);
-        assert!((law.value(&At(reversed)) - expected).abs() < 1e-12);
+        let mut hystereses = [Hysteresis::default(); 3];
+        for mm in [0.0, 1000.0, 5.0, 3.0] {
+            law.value(&At(mm), &mut hystereses);
+        }
+        // At 3 mm, 997 mm after the reversal: −6 of the product; a quarter of a wave: its sine; all of the hysteresis.
+        let value = law.value(&At(3.0), &mut hystereses);
+        assert!((value - (0.25 - 6.0 + 2.0 - 3.0)).abs() < 1e-12, "{value}");
         assert_eq!(law.stage(), Stage::Tool);
     }
 
     #[test]
-    fn nothing_is_known_of_a_reversal_before_the_first_one() {
-        let mut reversed = SinceReversal::default();
-        // A standstill is no reversal, and a start in the same direction is none either.
-        for (mm, velocity) in [(1.0, 0.1), (2.0, 0.0), (3.0, 0.1)] {
-            reversed.advance(mm, velocity);
-            assert!(reversed.decayed(1.0).abs() < 1e-12);
-        }
-        reversed.advance(3.0, -0.1);
-        assert!((reversed.decayed(1.0) + 1.0).abs() < 1e-12);
+    fn a_hysteresis_approaches_the_direction_over_its_distance() {
+        let mut hysteresis = Hysteresis::default();
+        assert!(hysteresis.advance(7.0, 4.0).abs() < 1e-12);
+        assert!((hysteresis.advance(407.0, 4.0) - 1.0).abs() < 1e-12);
+        assert!((hysteresis.advance(407.0, 4.0) - 1.0).abs() < 1e-12);
+        // Back by half a distance, in one step or in two: from 1 to −1 + 2·exp(−1/2).
+        let mut steps = hysteresis;
+        let there = -1.0 + 2.0 * libm::exp(-0.5);
+        assert!((hysteresis.advance(405.0, 4.0) - there).abs() < 1e-12);
+        steps.advance(406.3, 4.0);
+        assert!((steps.advance(405.0, 4.0) - there).abs() < 1e-12);
     }
 }

@@ -19,7 +19,7 @@ use super::tool_point::{self, Modes, Tables};
 use model::bodies::StructureError;
 use model::effects::Channel;
 use model::machine::Machine;
-use model::residual_law::SinceReversal;
+use model::residual_law::Hysteresis;
 
 /// The position that a controller reads. One outside the number format occurs only in an unstable loop; the following error then
 /// ends the run.
@@ -56,7 +56,8 @@ struct SimulatedAxis {
     force_path: ForcePath,
     /// Tool − table by the bodies of the structure, m.
     structure_offset_m: f64,
-    since_reversal: SinceReversal,
+    /// Of the terms of the laws.
+    hystereses: Vec<Vec<Hysteresis>>,
     /// Force that the controller commanded for the tick, N.
     commanded_n: f64,
     /// Force at the input of the drive, behind its dead time, N.
@@ -204,20 +205,19 @@ impl MachineSim {
             let tool_m = tool_m - lag_m(&mut axis.tool_log_delay, tool_m);
             let force_n =
                 axis.force_log_delay.as_ref().map_or(axis.commanded_n, |delay| delay.logged_n(next_n));
-            axis.since_reversal.advance(1e3 * table_m, table_m_per_s);
             let residuals = &axis.parameters.residuals;
             let displaced = if residuals.is_empty() {
                 Displacement::default()
             } else {
-                residuals.displacement(&ResidualInput {
+                let input = ResidualInput {
                     position_m: table_m,
                     velocity: table_m_per_s,
                     acceleration: acceleration[i],
                     force_n,
                     time_s,
-                    since_reversal: axis.since_reversal,
                     other: others.get(usize::from(i == 0)).copied().unwrap_or_default(),
-                })
+                };
+                residuals.displacement(&input, &mut axis.hystereses)
             };
             measurements.push(Measurement {
                 motor_offset_m: displaced.motor_m,
@@ -353,7 +353,7 @@ impl SimulatedAxis {
             force_log_delay: ForceDelay::new(latency_s(Channel::Force), tick_s),
             force_path: ForcePath::new(&parameters.servo, tick_s, 0.0),
             structure_offset_m: 0.0,
-            since_reversal: SinceReversal::default(),
+            hystereses: parameters.residuals.hystereses(),
             commanded_n: 0.0,
             drive_n: 0.0,
             parameters,

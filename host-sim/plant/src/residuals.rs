@@ -3,7 +3,7 @@
 //! The residual of a channel is relative to the measured channel upstream of it: a displaced motor displaces table and tool, a
 //! displaced table the tool. The loops do not react to a residual.
 
-use model::residual_law::{ResidualLaw, SinceReversal, Variables};
+use model::residual_law::{Hysteresis, ResidualLaw, Variables};
 use model::residual_table::{ResidualTable, TableChannel, TableVariable};
 
 /// The residuals of an axis that no effect describes.
@@ -28,8 +28,6 @@ pub struct ResidualInput {
     pub force_n: f64,
     /// Time of the session, s.
     pub time_s: f64,
-    /// Since the last reversal of the table.
-    pub since_reversal: SinceReversal,
     /// The table of the first other axis.
     pub other: OtherAxis,
 }
@@ -74,10 +72,6 @@ impl Variables for ResidualInput {
             TableVariable::OtherDirection => TableVariable::direction(self.other.velocity),
         }
     }
-
-    fn since_reversal(&self) -> SinceReversal {
-        self.since_reversal
-    }
 }
 
 impl Residuals {
@@ -87,12 +81,18 @@ impl Residuals {
         self.tables.is_empty() && self.laws.is_empty()
     }
 
-    /// The displacements of the logged channels.
+    /// The hystereses of all terms of all laws, before any motion.
     #[must_use]
-    pub fn displacement(&self, input: &ResidualInput) -> Displacement {
+    pub fn hystereses(&self) -> Vec<Vec<Hysteresis>> {
+        self.laws.iter().map(|law| vec![Hysteresis::default(); law.term.len()]).collect()
+    }
+
+    /// The displacements of the logged channels.
+    pub fn displacement(&self, input: &ResidualInput, hystereses: &mut [Vec<Hysteresis>]) -> Displacement {
         let of_tables =
             self.tables.iter().map(|table| (table.channel, table.value(input.value(table.variable))));
-        let of_laws = self.laws.iter().map(|law| (law.channel, law.value(input)));
+        let of_laws = (self.laws.iter().zip(hystereses))
+            .map(|(law, hystereses)| (law.channel, law.value(input, hystereses)));
         let mut sum = Displacement::default();
         for (channel, error) in of_tables.chain(of_laws) {
             match channel {
@@ -136,7 +136,8 @@ mod tests {
             other: OtherAxis { position_m: 2e-3, velocity: 0.1, acceleration: 0.0 },
             ..ResidualInput::default()
         };
-        let found = Residuals { tables, laws }.displacement(&input);
+        let residuals = Residuals { tables, laws };
+        let found = residuals.displacement(&input, &mut residuals.hystereses());
         let Displacement { motor_m, table_m, tool_m, force_n } = found;
         // 1 µm at 1 mm, 2 µm at 2 mm of the other axis and 10·0.5·0.1 + 0.5 µm of the law, 4 µm at 4 m/s², 8 N at 8 N.
         for (found, expected) in [(motor_m, 1e-6), (table_m, 4e-6), (tool_m, 8e-6), (force_n, 8.0)] {

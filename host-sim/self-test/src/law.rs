@@ -33,8 +33,8 @@ pub enum Form {
     OtherVelocity,
     /// Direction times other position.
     DirectionTimesOther,
-    /// Direction, decaying after each reversal over a distance, m.
-    Reversal(f64),
+    /// Memory of the direction that a reversal turns over within a distance, m.
+    Hysteresis(f64),
     /// Wave over the other position with a period (m) and a phase.
     OtherWave(f64, f64),
 }
@@ -48,25 +48,33 @@ pub struct LawTerm {
     pub factor: f64,
 }
 
-/// The last reversal of an axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LastReversal {
-    forwards: Option<bool>,
-    at_m: Option<f64>,
+/// Memories of the direction of an axis, one for each term of its law.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Memories(Vec<f64>);
+
+impl Memories {
+    /// Follows the table by a step from a position, m.
+    pub fn follow(&mut self, law: &[LawTerm], from_m: f64, to_m: f64) {
+        self.0.resize(law.len(), 0.0);
+        for (memory, term) in self.0.iter_mut().zip(law) {
+            if let Form::Hysteresis(distance_m) = term.form {
+                let moved_m = to_m - from_m;
+                // A step is some µm, far below the distance.
+                *memory += (moved_m - *memory * moved_m.abs()) / distance_m;
+            }
+        }
+    }
+
+    /// That of a term.
+    fn of(&self, term: usize) -> f64 {
+        self.0.get(term).copied().unwrap_or(0.0)
+    }
 }
 
-impl LastReversal {
-    /// Follows the table by a step.
-    pub fn follow(&mut self, state: &State) {
-        if state.table_m_per_s.abs() < 2.0 * TURNING_M_PER_S {
-            return;
-        }
-        let forwards = state.table_m_per_s > 0.0;
-        if self.forwards.is_some_and(|before| before != forwards) {
-            self.at_m = Some(state.table_m);
-        }
-        self.forwards = Some(forwards);
-    }
+/// What a law adds to the tool, m.
+#[must_use]
+pub fn displacement_m(law: &[LawTerm], own: &State, other: &State, memories: &Memories) -> f64 {
+    law.iter().enumerate().map(|(index, term)| term.at(own, other, memories.of(index))).sum()
 }
 
 fn direction(m_per_s: f64) -> f64 {
@@ -75,8 +83,7 @@ fn direction(m_per_s: f64) -> f64 {
 
 impl LawTerm {
     /// What the term adds to the tool, m.
-    #[must_use]
-    pub fn at(&self, own: &State, other: &State, last: &LastReversal) -> f64 {
+    fn at(&self, own: &State, other: &State, memory: f64) -> f64 {
         self.factor
             * match self.form {
                 Form::OwnTimesOther => own.table_m * other.table_m,
@@ -89,10 +96,7 @@ impl LawTerm {
                 Form::OtherDirection => direction(other.table_m_per_s),
                 Form::OtherVelocity => other.table_m_per_s,
                 Form::DirectionTimesOther => direction(own.table_m_per_s) * other.table_m,
-                Form::Reversal(distance_m) => last.at_m.map_or(0.0, |at_m| {
-                    let sign = if last.forwards == Some(true) { 1.0 } else { -1.0 };
-                    sign * libm::exp(-(own.table_m - at_m).abs() / distance_m)
-                }),
+                Form::Hysteresis(_) => memory,
                 Form::OtherWave(period_m, phase) => libm::sin(TAU * other.table_m / period_m + phase),
             }
     }
@@ -114,7 +118,7 @@ impl Form {
             Self::DirectionTimesOther,
         ];
         match random.random_range(0..12) {
-            10 => Self::Reversal(1e-3 * random.random_range(1.0..20.0)),
+            10 => Self::Hysteresis(1e-3 * random.random_range(1.0..20.0)),
             11 => Self::OtherWave(1e-3 * random.random_range(8.0..40.0), random.random_range(0.0..TAU)),
             index => fixed[index],
         }
@@ -136,7 +140,7 @@ impl Form {
             Self::OtherDirection => ("product", &["other_direction"]),
             Self::OtherVelocity => ("product", &["other_velocity_m_per_s"]),
             Self::DirectionTimesOther => ("product", &["direction", "other_position_mm"]),
-            Self::Reversal(_) => ("reversal", &["direction"]),
+            Self::Hysteresis(_) => ("hysteresis", &["position_mm"]),
             Self::OtherWave(..) => ("wave", &["other_position_mm"]),
         }
     }
@@ -145,7 +149,7 @@ impl Form {
     #[must_use]
     pub fn length_mm(&self) -> Option<f64> {
         match self {
-            Self::Reversal(m) | Self::OtherWave(m, _) => Some(1e3 * m),
+            Self::Hysteresis(m) | Self::OtherWave(m, _) => Some(1e3 * m),
             _ => None,
         }
     }

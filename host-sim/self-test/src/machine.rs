@@ -3,7 +3,7 @@
 
 use super::delay_line::DelayLine;
 use super::drive::Drive;
-use super::law::{LastReversal, LawTerm};
+use super::law::{LawTerm, Memories, displacement_m};
 use super::mode::Mode;
 use super::pickup::PickedUp;
 use super::plant::{LocalDefect, Mechanics, STEP_S, Sinusoid, State};
@@ -93,7 +93,7 @@ struct MovingAxis<'a> {
     earlier: DelayLine,
     table: DelayLine,
     tool: DelayLine,
-    reversal: LastReversal,
+    memories: Memories,
 }
 
 impl<'a> MovingAxis<'a> {
@@ -108,7 +108,7 @@ impl<'a> MovingAxis<'a> {
             earlier: DelayLine::new(axis.servo.velocity_window_s.unwrap_or(0.0), motor_m),
             table: DelayLine::new(axis.table_delay_s, scale_m),
             tool: DelayLine::new(axis.tool_delay_s, at_m),
-            reversal: LastReversal::default(),
+            memories: Memories::default(),
         }
     }
 
@@ -117,7 +117,7 @@ impl<'a> MovingAxis<'a> {
         let from_m = self.state.table_m;
         let acting_n = self.drive.acting_n(force_n);
         self.axis.mechanics.step(&mut self.state, acting_n);
-        self.reversal.follow(&self.state);
+        self.memories.follow(&self.axis.law, from_m, self.state.table_m);
         let Axis { resonance, second_resonance, .. } = *self.axis;
         for (mode, resonance) in self.modes.iter_mut().zip([resonance, second_resonance]) {
             mode.step([from_m, self.state.table_m], resonance);
@@ -150,7 +150,7 @@ impl<'a> MovingAxis<'a> {
             + drift_m
             + axis.vibration.at(time_s)
             + axis.tool_defect.at(self.state.table_m)
-            + axis.law.iter().map(|term| term.at(&self.state, other, &self.reversal)).sum::<f64>()
+            + displacement_m(&axis.law, &self.state, other, &self.memories)
             + second_m
     }
 }

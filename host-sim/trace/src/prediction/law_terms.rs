@@ -4,14 +4,14 @@ use super::table_variable::values;
 use crate::input::signals::Signals;
 use crate::input::smoothing::Smooth;
 use model::effects::Stage;
-use model::residual_law::{SinceReversal, Term, Variables};
+use model::residual_law::{Hysteresis, Term, Variables};
 use model::residual_table::TableVariable;
 
 /// The values of some variables of an axis over one log.
 #[derive(Clone, Debug)]
 pub struct LogVariables<'a> {
     values: Vec<(TableVariable, Vec<f64>)>,
-    since_reversal: Vec<SinceReversal>,
+    samples: usize,
     /// The channel whose filter the residual has passed; none in the motor stage.
     filter: Option<&'a Smooth>,
 }
@@ -27,32 +27,24 @@ impl<'a> LogVariables<'a> {
     #[must_use]
     pub fn new(signals: &'a Signals, axis: usize, stage: Stage, variables: &[TableVariable]) -> Self {
         let values = variables.iter().filter_map(|&one| Some((one, values(signals, axis, one)?))).collect();
-        let mut reversal = SinceReversal::default();
         let motion = signals.axes[axis].table_or_motor();
-        let samples = motion.into_iter().flat_map(|smooth| smooth.value.iter().zip(&smooth.velocity));
-        let since_reversal = samples.map(|(m, velocity)| {
-            reversal.advance(1e3 * m, *velocity);
-            reversal
-        });
         let filter = motion.filter(|_| stage != Stage::Motor);
-        Self { values, since_reversal: since_reversal.collect(), filter }
+        Self { values, samples: signals.len(), filter }
     }
 
     /// Whether a term can be evaluated: its variables were measured.
     #[must_use]
     pub fn has(&self, term: &Term) -> bool {
         let is_known = |one: &TableVariable| self.values.iter().any(|(known, _)| known == one);
-        match term {
-            Term::Reversal { .. } => !self.since_reversal.is_empty(),
-            _ => term.variables().iter().all(is_known),
-        }
+        term.variables().iter().all(is_known)
     }
 
     /// The parts of a term over the samples. Where it jumps, it passes the filter of the residual.
     #[must_use]
     pub fn parts(&self, term: &Term) -> [Vec<f64>; 2] {
-        let (first, second): (Vec<f64>, Vec<f64>) =
-            (0..self.since_reversal.len()).map(|sample| term.parts(&AtSample { log: self, sample }).into()).unzip();
+        let mut hysteresis = Hysteresis::default();
+        let at = |sample| term.parts(&AtSample { log: self, sample }, &mut hysteresis).into();
+        let (first, second): (Vec<f64>, Vec<f64>) = (0..self.samples).map(at).unzip();
         match self.filter.filter(|_| term.has_jumps()) {
             Some(filter) => [filter.filtered(&first), second],
             None => [first, second],
@@ -64,9 +56,5 @@ impl Variables for AtSample<'_> {
     fn value(&self, variable: TableVariable) -> f64 {
         let known = self.log.values.iter().find(|(known, _)| *known == variable);
         known.and_then(|(_, values)| values.get(self.sample)).copied().unwrap_or(0.0)
-    }
-
-    fn since_reversal(&self) -> SinceReversal {
-        self.log.since_reversal.get(self.sample).copied().unwrap_or_default()
     }
 }

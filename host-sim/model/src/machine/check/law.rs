@@ -30,7 +30,7 @@ impl Context<'_> {
             }
             Term::Product { .. } => None,
             Term::Wave { period_mm, .. } => Some(("period_mm", *period_mm)),
-            Term::Reversal { distance_mm, .. } => Some(("distance_mm", *distance_mm)),
+            Term::Hysteresis { distance_mm, .. } => Some(("distance_mm", *distance_mm)),
         };
         if let Some((name, mm)) = length
             && !(mm > 0.0 && mm.is_finite())

@@ -134,7 +134,7 @@ fn refined(samples: &Samples<'_>, mut terms: Vec<Term>) -> Vec<Term> {
             };
             let range = match &terms[index] {
                 Term::Product { .. } => continue,
-                Term::Reversal { distance_mm, .. } => REFINED.map(|factor| factor * distance_mm),
+                Term::Hysteresis { distance_mm, .. } => REFINED.map(|factor| factor * distance_mm),
                 Term::Wave { over, period_mm, .. } => {
                     let [min, max] = min_max(samples.pairs(*over).into_iter().map(|pair| pair.0));
                     let step = PERIOD_REFINED / (max - min);
@@ -153,7 +153,7 @@ fn with_length(term: &Term, mm: f64) -> Term {
     let mut term = term.clone();
     match &mut term {
         Term::Product { .. } => {}
-        Term::Reversal { distance_mm: length, .. } | Term::Wave { period_mm: length, .. } => *length = mm,
+        Term::Hysteresis { distance_mm: length, .. } | Term::Wave { period_mm: length, .. } => *length = mm,
     }
     term
 }

@@ -38,11 +38,9 @@ impl FoundLaw {
             Term::Wave { over, period_mm, .. } => {
                 format!("wave over {} with a period of {} mm", self.symbol(over.variable()), significant(*period_mm, 3))
             }
-            Term::Reversal { distance_mm, .. } => format!(
-                "{} decaying over {} mm after each reversal",
-                self.symbol(V::Direction),
-                significant(*distance_mm, 2)
-            ),
+            Term::Hysteresis { distance_mm, .. } => {
+                format!("hysteresis of {} over {} mm", self.axis, significant(*distance_mm, 2))
+            }
         }
     }
 

@@ -22,7 +22,7 @@ const VARIABLES: [V; 11] = [
     V::OtherDirection,
 ];
 
-/// Distances of which a term after reversals is tried, mm; the best one is refined.
+/// Distances of which a hysteresis is tried, mm; the best one is refined.
 const DISTANCES_MM: [f64; 9] = [0.03, 0.1, 0.3, 1.0, 2.5, 6.0, 15.0, 40.0, 100.0];
 
 /// The variables that every log of some data contains, and that do not contain the residual itself.
@@ -37,8 +37,8 @@ pub fn variables(data: &FitData<'_>, stage: Stage) -> Vec<V> {
     VARIABLES.into_iter().filter(is_independent).filter(is_known).collect()
 }
 
-/// All terms of these variables, with coefficients of 1: each alone, products of two, cubes of positions, and the memory of
-/// reversals. Waves are added once their periods are known: see [`super::waves`].
+/// All terms of these variables, with coefficients of 1: each alone, products of two, cubes of positions, and
+/// hystereses. Waves are added once their periods are known: see [`super::waves`].
 #[must_use]
 pub fn terms(variables: &[V]) -> Vec<Term> {
     let product = |of: Vec<V>| Term::Product { of, coefficient: 1.0 };
@@ -48,8 +48,8 @@ pub fn terms(variables: &[V]) -> Vec<Term> {
     }
     let positions = [WavePosition::PositionMm, WavePosition::OtherPositionMm].map(WavePosition::variable);
     all.extend(positions.into_iter().filter(|one| variables.contains(one)).map(|one| product(vec![one; 3])));
-    if variables.contains(&V::Direction) {
-        all.extend(DISTANCES_MM.map(|distance_mm| Term::Reversal { distance_mm, coefficient: 1.0 }));
+    if variables.contains(&V::PositionMm) {
+        all.extend(DISTANCES_MM.map(|distance_mm| Term::Hysteresis { distance_mm, coefficient: 1.0 }));
     }
     all
 }
@@ -73,7 +73,7 @@ fn is_redundant(a: V, b: V) -> bool {
 pub fn is_same_form(a: &Term, b: &Term, travel_mm: impl Fn(WavePosition) -> f64) -> bool {
     match (a, b) {
         (Term::Product { of: a, .. }, Term::Product { of: b, .. }) => a == b,
-        (Term::Reversal { .. }, Term::Reversal { .. }) => true,
+        (Term::Hysteresis { .. }, Term::Hysteresis { .. }) => true,
         (
             Term::Wave { over: a, period_mm: of_a, .. },
             Term::Wave { over: b, period_mm: of_b, .. },
@@ -87,7 +87,7 @@ pub fn is_same_form(a: &Term, b: &Term, travel_mm: impl Fn(WavePosition) -> f64)
 pub const fn parameters(term: &Term) -> i32 {
     match term {
         Term::Product { .. } => 1,
-        Term::Reversal { .. } => 2,
+        Term::Hysteresis { .. } => 2,
         Term::Wave { .. } => 3,
     }
 }

@@ -75,7 +75,7 @@ fn drawn(random: &mut ChaCha8Rng) -> Term {
         7 => product(&[V::OtherDirection]),
         8 => product(&[V::OtherVelocityMPerS]),
         9 => product(&[V::Direction, V::OtherPositionMm]),
-        10 => Term::Reversal { distance_mm: random.random_range(2.0..20.0), coefficient: 1.0 },
+        10 => Term::Hysteresis { distance_mm: random.random_range(2.0..20.0), coefficient: 1.0 },
         _ => {
             let (cosine, sine) = random.random_range(0.0..TAU).sin_cos();
             Term::Wave { over, period_mm: random.random_range(8.0..50.0), cosine, sine }
@@ -85,14 +85,15 @@ fn drawn(random: &mut ChaCha8Rng) -> Term {
 
 /// The values of a term along a log.
 fn values(term: &Term, motion: &[Motion; 2], samples: usize) -> Vec<f64> {
-    let mut reversal: Option<(f64, f64)> = None;
-    let mut before = 0.0;
+    let mut memory = 0.0;
+    let mut before_mm = None;
     let at = (0..samples).map(|i| {
         let [own, other] = [0, 1].map(|axis| motion[axis].at(i as f64 * SAMPLE_S));
-        if own.m_per_s * before < 0.0 {
-            reversal = Some((own.mm, own.m_per_s.signum()));
+        let moved_mm = own.mm - before_mm.unwrap_or(own.mm);
+        before_mm = Some(own.mm);
+        if let Term::Hysteresis { distance_mm, .. } = term {
+            memory += (moved_mm - memory * moved_mm.abs()) / distance_mm;
         }
-        before = own.m_per_s;
         let factor = |variable: &V| match variable {
             V::PositionMm => own.mm,
             V::VelocityMPerS => own.m_per_s,
@@ -111,8 +112,7 @@ fn values(term: &Term, motion: &[Motion; 2], samples: usize) -> Vec<f64> {
                 let mm = if *over == WavePosition::PositionMm { own.mm } else { other.mm };
                 cosine * (TAU * mm / period_mm).cos() + sine * (TAU * mm / period_mm).sin()
             }
-            Term::Reversal { distance_mm, .. } => reversal
-                .map_or(0.0, |(mm, direction)| direction * (-(own.mm - mm).abs() / distance_mm).exp()),
+            Term::Hysteresis { .. } => memory,
         }
     });
     at.collect()

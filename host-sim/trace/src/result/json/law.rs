@@ -29,7 +29,7 @@ pub struct Law {
 /// A term of a law.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct LawTerm {
-    /// `product`, `wave` or `reversal`.
+    /// `product`, `wave` or `hysteresis`.
     kind: &'static str,
     /// Its form, with the names of the axes.
     form: String,
@@ -38,7 +38,7 @@ pub struct LawTerm {
     /// Period of a wave.
     #[serde(skip_serializing_if = "Option::is_none")]
     period_mm: Option<f64>,
-    /// Distance in which the term decays after a reversal.
+    /// Distance of a hysteresis.
     #[serde(skip_serializing_if = "Option::is_none")]
     distance_mm: Option<f64>,
     /// The coefficient; of a wave, those of cosine and sine.
@@ -78,8 +78,8 @@ impl LawTerm {
         let (kind, period_mm, distance_mm, coefficient) = match &found.term {
             Term::Product { coefficient, .. } => ("product", None, None, vec![*coefficient]),
             Term::Wave { period_mm, cosine, sine, .. } => ("wave", Some(*period_mm), None, vec![*cosine, *sine]),
-            Term::Reversal { distance_mm, coefficient } => {
-                ("reversal", None, Some(*distance_mm), vec![*coefficient])
+            Term::Hysteresis { distance_mm, coefficient } => {
+                ("hysteresis", None, Some(*distance_mm), vec![*coefficient])
             }
         };
         let interval = |(value, half): (&f64, f64)| [number(value - half), number(value + half)];
