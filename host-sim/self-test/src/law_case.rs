@@ -223,6 +223,7 @@ mod tests {
             for e in trace["effects"].as_array().unwrap() { println!("   effect {} {} {} {}", e["axis"], e["name"], e["certainty"], e["rivals"]); }
             for l in trace["laws"].as_array().unwrap() { println!("   law {} {} {} {} {}", l["axis"], l["channel"], l["equation"], l["before"], l["after"]); for t in l["terms"].as_array().unwrap() { println!("       {} t {} certain {} rivals {}", t["form"], t["held_out_t"], t["is_certain"], t["rivals"]); } }
             for r in trace["residual"].as_array().unwrap() { if r["channel"] == "tool" { println!("   residual {r}"); } }
+            for r in trace["data_faults"].as_array().unwrap() { println!("   fault {r}"); }
             for r in trace["unexplained"].as_array().unwrap() { println!("   unexplained {r}"); }
             all.push(outcome);
         }
