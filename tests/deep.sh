@@ -7,7 +7,7 @@
 #   tests/deep.sh properties [SEEDS]   the property tests with this many new seeds (100): the usual run has a fixed one
 #   tests/deep.sh bits                 a million ticks of random motions, host against emulated core, fixed point and f32
 #   tests/deep.sh fuzz [SECONDS]       fuzzing of link, lock-step protocol and readers of files (600), with cargo-fuzz
-#   tests/deep.sh host                 tests of `host` that tests/run.sh has no time for: every case in a browser, init on every case
+#   tests/deep.sh host                 tests of `host` that tests/run.sh has no time for: every case in a browser, init on every case, parts of cases, …
 #   tests/deep.sh fleet                tools/fleet.py on a local cluster, with and without killed workers: docs/fleet.md
 #
 # A PART is a module of shared/src: control, drive, feedback, safety, monitor, machine, lockstep unless named; link,
@@ -151,7 +151,9 @@ bits() { cargo test --release --package tests --test chip random_motions:: -- --
 host() {
   rustup target list --installed | grep -qx wasm32-unknown-unknown || rustup target add wasm32-unknown-unknown
   cargo build --release --bins
-  cargo test --release --test host -- --nocapture app_in_browser::traced::all_cases init::cases::all_other_cases init::measured::emps
+  cargo test --release --test host -- --nocapture app_in_browser::traced::all_cases init::cases::all_other_cases init::measured::emps \
+    incomplete_logs::sweep::parts_of_the_blind_cases model_again::a_model_of_measured_data_is_stable \
+    budget::second_simulator::the_first_cause_is_the_true_one_on_fifty_machines
 }
 
 # Traces of random parts of the blind cases, of each case as many as given; other parts on every run.

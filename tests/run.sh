@@ -18,14 +18,16 @@ target=thumbv7em-none-eabihf
 long=(
   compensation::watched:: example_machines:: demo_seeds::
   command_line::improve:: command_line::reproduce:: command_line::compare:: command_line::worked_example::
-  model_again::a_model_of_a_case_is_stable model_again::a_model_of_measured_data_is_stable
-  incomplete_logs::sweep::parts_of_the_blind_cases
+  model_again::a_model_of_a_case_is_stable
   pages_in_browser:: app_in_browser::
-  budget::second_simulator::the_first_cause_is_the_true_one_on_fifty_machines
 )
 
 # Tests of `host` that are left to `tests/deep.sh host`: with them, `all` would not end within the time of CI on two cores.
-deep=(app_in_browser::traced::all_cases init::cases::all_other_cases init::measured::emps)
+deep=(
+  app_in_browser::traced::all_cases init::cases::all_other_cases init::measured::emps
+  incomplete_logs::sweep::parts_of_the_blind_cases model_again::a_model_of_measured_data_is_stable
+  budget::second_simulator::the_first_cause_is_the_true_one_on_fifty_machines
+)
 
 step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
 

@@ -136,7 +136,8 @@ impl Term {
     /// Whether it jumps at a reversal.
     #[must_use]
     pub fn has_jumps(&self) -> bool {
-        let jumps = |one: &TableVariable| matches!(one, TableVariable::Direction | TableVariable::OtherDirection);
+        let jumps =
+            |one: &TableVariable| matches!(one, TableVariable::Direction | TableVariable::OtherDirection);
         self.variables().iter().any(jumps)
     }
 

@@ -177,7 +177,12 @@ fn equivalent_axis(axis: &Axis, simulated: &Loop, tick_s: f64) -> Axis {
     controller.velocity_integral_time_s = simulated.integral_time_s;
     controller.force_limit_n = None;
     let settings = Settings { names, controller, pid: Pid::default(), filters, limits, mechanics, sensors };
-    let equivalent = Axis { settings, empirical: axis.empirical.clone(), residual_law: axis.residual_law.clone(), ..Axis::default() };
+    let equivalent = Axis {
+        settings,
+        empirical: axis.empirical.clone(),
+        residual_law: axis.residual_law.clone(),
+        ..Axis::default()
+    };
     if axis.settings.has_mass() {
         return Axis { effect: axis.effect.clone(), ..equivalent };
     }

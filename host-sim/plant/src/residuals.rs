@@ -126,8 +126,7 @@ mod tests {
             of: vec![TableVariable::SpeedMPerS, TableVariable::OtherVelocityMPerS],
             coefficient: 10.0,
         };
-        let laws =
-            vec![ResidualLaw { channel: TableChannel::Table, constant: 0.5, term: vec![product] }];
+        let laws = vec![ResidualLaw { channel: TableChannel::Table, constant: 0.5, term: vec![product] }];
         let input = ResidualInput {
             position_m: 1e-3,
             velocity: -0.5,

@@ -8,6 +8,7 @@
 //! | `caveats` | sentences about the evidence against a model or an effect |
 //! | `data_faults` | sentences about faults of the data |
 //! | `parameters` | an effect with its parameters, in a few words |
+//! | `laws` | laws of residuals in sentences |
 //! | `tables` | tables of residuals, and of effects found compared with the truth |
 //! | `axis_view` | the plotted residuals |
 //! | `residual_plots` | residuals over time and over a `variable` |
@@ -33,6 +34,7 @@ mod circle_plots;
 mod data_faults;
 pub mod friction_map;
 pub mod improvement_page;
+pub mod laws;
 mod parameters;
 pub mod positions_page;
 mod radial_deviation;

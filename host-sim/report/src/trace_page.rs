@@ -8,7 +8,7 @@ use maud::{Markup, html};
 use super::axis_view::{AxisView, is_at_noise};
 use super::before_after::{self, RoundTripMotion};
 use super::certificate::{self, Circumstances};
-use super::{budget_page, circle_plots, ranking, residual_plots, sentences, tables};
+use super::{budget_page, circle_plots, laws, ranking, residual_plots, sentences, tables};
 use budget::Budget;
 use budget::limits::Judgement;
 use contour::log_error::LogError;
@@ -108,6 +108,7 @@ fn way(axes: &[AxisIdentification]) -> Markup {
 fn unexplained(axes: &[AxisIdentification], notes: &[String]) -> Markup {
     let of_axis = |axis: &AxisIdentification| {
         let remainders = axis.unexplained.iter().map(|entry| sentences::remainder(axis, entry));
+        let remainders = remainders.chain(axis.laws.iter().map(|law| laws::sentence(axis, law)));
         let not_testable = axis.not_testable.iter().map(|stage| sentences::not_testable(&axis.axis, stage));
         sentences::open_ends(axis).into_iter().chain(remainders).chain(not_testable).collect::<Vec<_>>()
     };

@@ -132,9 +132,7 @@ impl Form {
             Self::Speed => ("product", &["speed_m_per_s"]),
             Self::OwnTimesDirection => ("product", &["position_mm", "direction"]),
             Self::VelocitySquared => ("product", &["velocity_m_per_s", "velocity_m_per_s"]),
-            Self::OtherCubed => {
-                ("product", &["other_position_mm", "other_position_mm", "other_position_mm"])
-            }
+            Self::OtherCubed => ("product", &["other_position_mm", "other_position_mm", "other_position_mm"]),
             Self::VelocityTimesOther => ("product", &["velocity_m_per_s", "other_position_mm"]),
             Self::AccelerationTimesOther => ("product", &["acceleration_m_per_s2", "other_position_mm"]),
             Self::OtherDirection => ("product", &["other_direction"]),

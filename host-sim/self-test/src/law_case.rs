@@ -110,7 +110,8 @@ impl LawOutcome {
         let mut false_terms = Vec::new();
         for entry in entries("laws") {
             for term in entry["terms"].as_array().into_iter().flatten() {
-                let is_true = is_of_law(&entry) && law.terms.iter().any(|(truth, _)| is_same(&truth.form, term));
+                let is_true =
+                    is_of_law(&entry) && law.terms.iter().any(|(truth, _)| is_same(&truth.form, term));
                 if term["is_certain"] == true && !is_true {
                     false_terms.push(format!("{}: {}", entry["axis"], term["form"]));
                 }
@@ -124,7 +125,8 @@ impl LawOutcome {
         }
         let is_found = |(truth, _): &(LawTerm, f64)| found.iter().any(|term| is_same(&truth.form, term));
         let of_channel = entries("residual").into_iter().find(is_of_law).unwrap_or_default();
-        let of_law = entries("laws").into_iter().find(is_of_law).map(|entry| entry["after"]["validate"].as_f64());
+        let of_law =
+            entries("laws").into_iter().find(is_of_law).map(|entry| entry["after"]["validate"].as_f64());
         let after = of_law.unwrap_or_else(|| of_channel["after_um"]["validate"].as_f64());
         Self {
             number: law.case.number,
@@ -181,8 +183,12 @@ pub fn summary(seed: u64, outcomes: &[LawOutcome]) -> String {
     let wrong = count(|outcome| !outcome.false_terms.is_empty());
     let left = count(|outcome| outcome.left.is_some_and(|left| left < 1.3));
     let mut lines = vec![
-        format!("Laws of the tool on {n} machines, seed {seed}, one to three terms of 3 to 100 times the noise:"),
-        format!("exactly the true terms on {right} of {n}; a false term or effect stated as certain on {wrong};"),
+        format!(
+            "Laws of the tool on {n} machines, seed {seed}, one to three terms of 3 to 100 times the noise:"
+        ),
+        format!(
+            "exactly the true terms on {right} of {n}; a false term or effect stated as certain on {wrong};"
+        ),
         format!("at most 1.3 times the noise left on held-out motions of {left}."),
     ];
     for outcome in outcomes.iter().filter(|outcome| !outcome.is_right || !outcome.false_terms.is_empty()) {
@@ -219,12 +225,39 @@ mod tests {
             let law = LawCase::draw(seed, number).unwrap();
             let trace = crate::traced(&law.case, &|_| ()).unwrap();
             let outcome = LawOutcome::of(&law, &trace);
-            println!("== {number} axis {} {:?} right {} left {:?}", law.axis, law.terms.iter().map(|(t, size)| (t.form, *size)).collect::<Vec<_>>(), outcome.is_right, outcome.left);
-            for e in trace["effects"].as_array().unwrap() { println!("   effect {} {} {} {}", e["axis"], e["name"], e["certainty"], e["rivals"]); }
-            for l in trace["laws"].as_array().unwrap() { println!("   law {} {} {} {} {}", l["axis"], l["channel"], l["equation"], l["before"], l["after"]); for t in l["terms"].as_array().unwrap() { println!("       {} t {} certain {} rivals {}", t["form"], t["held_out_t"], t["is_certain"], t["rivals"]); } }
-            for r in trace["residual"].as_array().unwrap() { if r["channel"] == "tool" { println!("   residual {r}"); } }
-            for r in trace["data_faults"].as_array().unwrap() { println!("   fault {r}"); }
-            for r in trace["unexplained"].as_array().unwrap() { println!("   unexplained {r}"); }
+            println!(
+                "== {number} axis {} {:?} right {} left {:?}",
+                law.axis,
+                law.terms.iter().map(|(t, size)| (t.form, *size)).collect::<Vec<_>>(),
+                outcome.is_right,
+                outcome.left
+            );
+            for e in trace["effects"].as_array().unwrap() {
+                println!("   effect {} {} {} {}", e["axis"], e["name"], e["certainty"], e["rivals"]);
+            }
+            for l in trace["laws"].as_array().unwrap() {
+                println!(
+                    "   law {} {} {} {} {}",
+                    l["axis"], l["channel"], l["equation"], l["before"], l["after"]
+                );
+                for t in l["terms"].as_array().unwrap() {
+                    println!(
+                        "       {} t {} certain {} rivals {}",
+                        t["form"], t["held_out_t"], t["is_certain"], t["rivals"]
+                    );
+                }
+            }
+            for r in trace["residual"].as_array().unwrap() {
+                if r["channel"] == "tool" {
+                    println!("   residual {r}");
+                }
+            }
+            for r in trace["data_faults"].as_array().unwrap() {
+                println!("   fault {r}");
+            }
+            for r in trace["unexplained"].as_array().unwrap() {
+                println!("   unexplained {r}");
+            }
             all.push(outcome);
         }
         println!("{}", summary(seed, &all));

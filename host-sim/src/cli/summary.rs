@@ -2,7 +2,7 @@
 
 use budget::Budget;
 use files::format::significant;
-use report::{ranking, sentences};
+use report::{laws, ranking, sentences};
 use trace::AxisIdentification;
 use trace::Identification;
 use trace::judge::StageResidual;
@@ -51,7 +51,10 @@ fn remarks(trace: &Identification) -> Vec<String> {
     let open = axes().flat_map(sentences::open_ends);
     let residuals = axes().flat_map(|axis| {
         let unexplained = axis.unexplained.iter().map(|residual| sentences::remainder(axis, residual));
-        unexplained.chain(axis.not_testable.iter().map(|stage| sentences::not_testable(&axis.axis, stage)))
+        let found = axis.laws.iter().map(|law| laws::sentence(axis, law));
+        unexplained
+            .chain(found)
+            .chain(axis.not_testable.iter().map(|stage| sentences::not_testable(&axis.axis, stage)))
     });
     // For several logs only the page and the JSON have it: it is long.
     let shown = if trace.fit_logs().len() == 1 { trace.axes() } else { &[] };

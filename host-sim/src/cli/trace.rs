@@ -54,8 +54,8 @@ pub struct Arguments {
     /// has its declared values fitted.
     #[arg(long, conflicts_with_all = ["propose", "friction_map"])]
     evaluate: bool,
-    /// Add the unexplained residuals as tables over the variables on which they depend, if held-out data support them; they
-    /// become part of the model.
+    /// Add the unexplained residuals as laws, or as tables over the variables on which they depend, if held-out data support them;
+    /// they become part of the model.
     #[arg(long)]
     empirical: bool,
     /// Also print the residual of each stage before and after, of fitted and held-out motions.

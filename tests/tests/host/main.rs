@@ -23,6 +23,7 @@ mod example_machines;
 mod hum;
 mod incomplete_logs;
 mod init;
+mod laws;
 mod measured_data;
 mod model_again;
 mod module_circles;

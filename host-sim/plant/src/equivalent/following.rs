@@ -72,5 +72,11 @@ pub(super) fn axis(axis: &Axis, pace: Pace) -> Axis {
         effect.push(Effect::Latency(Latency { channel: Channel::Command, ms }));
     }
     let settings = Settings { names, controller, pid: Pid::default(), filters, limits, mechanics, sensors };
-    Axis { settings, effect, empirical: axis.empirical.clone(), residual_law: axis.residual_law.clone(), ..Axis::default() }
+    Axis {
+        settings,
+        effect,
+        empirical: axis.empirical.clone(),
+        residual_law: axis.residual_law.clone(),
+        ..Axis::default()
+    }
 }

@@ -59,7 +59,9 @@ fn follows_reversal(place: &ChannelLocation<'_>, sample: usize) -> bool {
 fn is_reversal(values: &[f64], sample: usize) -> bool {
     let at = |sample: Option<usize>| sample.and_then(|sample| values.get(sample));
     let (before, after) = (sample.checked_sub(AROUND), sample.checked_add(AROUND));
-    let (Some(before), Some(now), Some(after)) = (at(before), at(Some(sample)), at(after)) else { return false };
+    let (Some(before), Some(now), Some(after)) = (at(before), at(Some(sample)), at(after)) else {
+        return false;
+    };
     (now - before) * (after - now) < 0.0 && (now - before).abs().min((after - now).abs()) > MIN_MOVE_MM
 }
 

@@ -23,7 +23,7 @@ struct AtSample<'a> {
 }
 
 impl<'a> LogVariables<'a> {
-    /// Those of the variables that the log contains, for the residual of a stage.
+    /// The values of the variables that the log contains, for the residual of a stage.
     #[must_use]
     pub fn new(signals: &'a Signals, axis: usize, stage: Stage, variables: &[TableVariable]) -> Self {
         let values = variables.iter().filter_map(|&one| Some((one, values(signals, axis, one)?))).collect();

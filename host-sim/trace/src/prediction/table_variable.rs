@@ -34,4 +34,3 @@ pub fn values(signals: &Signals, axis: usize, variable: TableVariable) -> Option
         TableVariable::OtherAccelerationMPerS2 => acceleration(other()?),
     }
 }
-

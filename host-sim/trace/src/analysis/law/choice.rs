@@ -49,7 +49,9 @@ impl Chosen {
         let mut rest = samples.clone();
         // The waves of what remains beside the best law so far, until it has the most terms.
         for size in 0..MOST_TERMS {
-            terms.extend(POSITIONS.into_iter().filter(|over| known(*over)).filter_map(|over| strongest(&rest, over)));
+            terms.extend(
+                POSITIONS.into_iter().filter(|over| known(*over)).filter_map(|over| strongest(&rest, over)),
+            );
             let library = Library::new(terms.clone(), samples.always());
             let total = Normal::sum(samples.normal(&library.terms).iter())?;
             let by_size = library.best(&total, size + 1, price(options));
@@ -58,7 +60,8 @@ impl Chosen {
             for (index, term) in best.terms.iter().zip(&law) {
                 terms[*index] = term.clone();
             }
-            let always: Vec<f64> = best.coefficients[..samples.always()].iter().map(|(_, value)| *value).collect();
+            let always: Vec<f64> =
+                best.coefficients[..samples.always()].iter().map(|(_, value)| *value).collect();
             rest = samples.without(&always, &law);
         }
         let library = Library::new(terms, samples.always());
@@ -78,7 +81,8 @@ impl Chosen {
     /// Whether the best law with this number of terms is significantly better than that with one term less: it earns the price of its
     /// values, and each of its terms differs from zero.
     fn is_needed(&self, size: usize, options: &SearchOptions) -> bool {
-        let (Some(smaller), Some(larger)) = (self.by_size[size - 1].first(), self.by_size[size].first()) else {
+        let (Some(smaller), Some(larger)) = (self.by_size[size - 1].first(), self.by_size[size].first())
+        else {
             return false;
         };
         let t = self.library.t_of_terms(&self.blocks, larger);
@@ -101,9 +105,9 @@ pub fn price(options: &SearchOptions) -> f64 {
 /// By how many standard errors, estimated from the blocks, a subset leaves less than another one.
 #[must_use]
 pub fn improvement_t(blocks: &[Normal], worse: &Subset, better: &Subset) -> f64 {
-    let gains = blocks.iter().map(|block| {
-        block.squares_with(&worse.coefficients) - block.squares_with(&better.coefficients)
-    });
+    let gains = blocks
+        .iter()
+        .map(|block| block.squares_with(&worse.coefficients) - block.squares_with(&better.coefficients));
     t_of_sum(&gains.collect::<Vec<_>>())
 }
 
@@ -130,7 +134,9 @@ fn refined(samples: &Samples<'_>, mut terms: Vec<Term>) -> Vec<Term> {
                 let library = Library::new(with(length_mm), samples.always());
                 let all = (0..library.terms.len()).collect();
                 let total = Normal::sum(samples.normal(&library.terms).iter());
-                total.and_then(|total| library.fitted(&total, all, 1.0)).map_or(f64::INFINITY, |fit| fit.squares)
+                total
+                    .and_then(|total| library.fitted(&total, all, 1.0))
+                    .map_or(f64::INFINITY, |fit| fit.squares)
             };
             let range = match &terms[index] {
                 Term::Product { .. } => continue,

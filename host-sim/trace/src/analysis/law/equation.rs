@@ -1,6 +1,6 @@
 //! A law as text.
 
-use super::{FoundLaw, FoundTerm};
+use super::found_law::{FoundLaw, FoundTerm};
 use crate::stages::residual_unit;
 use files::format::{significant, with_spread};
 use files::log::Unit;
@@ -36,7 +36,11 @@ impl FoundLaw {
                 of.iter().map(|variable| self.symbol(*variable)).collect::<Vec<_>>().join(" · ")
             }
             Term::Wave { over, period_mm, .. } => {
-                format!("wave over {} with a period of {} mm", self.symbol(over.variable()), significant(*period_mm, 3))
+                format!(
+                    "wave over {} with a period of {} mm",
+                    self.symbol(over.variable()),
+                    significant(*period_mm, 3)
+                )
             }
             Term::Hysteresis { distance_mm, .. } => {
                 format!("hysteresis of {} over {} mm", self.axis, significant(*distance_mm, 2))

@@ -1,7 +1,7 @@
 //! Which terms of a chosen law held-out logs support, which of them have a rival, and the intervals of their coefficients.
 
-use super::FoundTerm;
 use super::choice::{Chosen, improvement_t, price};
+use super::found_law::FoundTerm;
 use super::samples::{Normal, Samples, columns_of};
 use super::subsets::{Subset, solved};
 use crate::fit::fit_data::FitAndValidationRms;
@@ -30,7 +30,8 @@ pub struct Judged {
 pub fn judged(chosen: &Chosen, held_out: &Samples<'_>, options: &SearchOptions) -> Option<Judged> {
     let held_out = held_out.normal(&chosen.library.terms);
     let total = Normal::sum(chosen.blocks.iter())?;
-    let left = |subset: &Subset| held_out.iter().map(|block| block.squares_with(&subset.coefficients)).sum::<f64>();
+    let left =
+        |subset: &Subset| held_out.iter().map(|block| block.squares_with(&subset.coefficients)).sum::<f64>();
     let smaller = (1..=chosen.size).rev().map(|size| Chosen { size, ..chosen.clone() });
     let (chosen, best, held_out_t) = smaller.into_iter().find_map(|chosen| {
         let best = chosen.best()?.clone();

@@ -74,10 +74,9 @@ pub fn is_same_form(a: &Term, b: &Term, travel_mm: impl Fn(WavePosition) -> f64)
     match (a, b) {
         (Term::Product { of: a, .. }, Term::Product { of: b, .. }) => a == b,
         (Term::Hysteresis { .. }, Term::Hysteresis { .. }) => true,
-        (
-            Term::Wave { over: a, period_mm: of_a, .. },
-            Term::Wave { over: b, period_mm: of_b, .. },
-        ) => a == b && (1.0 / of_a - 1.0 / of_b).abs() * travel_mm(*a) < 1.0,
+        (Term::Wave { over: a, period_mm: of_a, .. }, Term::Wave { over: b, period_mm: of_b, .. }) => {
+            a == b && (1.0 / of_a - 1.0 / of_b).abs() * travel_mm(*a) < 1.0
+        }
         _ => false,
     }
 }

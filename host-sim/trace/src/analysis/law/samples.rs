@@ -46,7 +46,7 @@ pub struct Samples<'a> {
 }
 
 impl<'a> Samples<'a> {
-    /// Those of a stage that count, with the derivatives with respect to the parameters that stay free.
+    /// The samples of a stage that count, with the derivatives with respect to the parameters that stay free.
     #[must_use]
     pub fn of(
         data: &FitData<'a>,
@@ -54,7 +54,8 @@ impl<'a> Samples<'a> {
         stage: Stage,
         variables: &[TableVariable],
     ) -> Self {
-        let of_stage = || residuals.iter().filter(|series| series.stage == stage && !series.values.is_empty());
+        let of_stage =
+            || residuals.iter().filter(|series| series.stage == stage && !series.values.is_empty());
         let all: usize = of_stage().map(|series| series.values.len()).sum();
         let stride = all.div_ceil(MOST_SAMPLES).max(1);
         let mut blocks = Vec::new();
@@ -70,15 +71,23 @@ impl<'a> Samples<'a> {
             let ranges = block_ranges(series.values.len(), data.shortest_block(series.log));
             let number = ranges.len();
             for (i, range) in ranges.into_iter().enumerate() {
-                let samples: Vec<usize> = range.step_by(stride).filter(|&sample| counts(sample) && !creeps(sample)).collect();
+                let samples: Vec<usize> =
+                    range.step_by(stride).filter(|&sample| counts(sample) && !creeps(sample)).collect();
                 let residual = samples.iter().map(|&sample| series.values[sample]).collect();
                 let of_column = |column: &Column| {
                     let of_log = column.iter().find(|other| (other.stage, other.log) == (stage, series.log));
-                    let value = |sample: &usize| of_log.and_then(|of_log| of_log.values.get(*sample)).copied();
+                    let value =
+                        |sample: &usize| of_log.and_then(|of_log| of_log.values.get(*sample)).copied();
                     samples.iter().map(|sample| value(sample).unwrap_or(0.0)).collect()
                 };
                 let free = free.iter().map(of_column).collect();
-                blocks.push(SampleBlock { log: series.log, fold: i * FOLDS / number, samples, residual, free });
+                blocks.push(SampleBlock {
+                    log: series.log,
+                    fold: i * FOLDS / number,
+                    samples,
+                    residual,
+                    free,
+                });
             }
         }
         blocks.retain(|block| !block.samples.is_empty());
@@ -147,7 +156,9 @@ impl<'a> Samples<'a> {
             columns.extend(block.free.iter().cloned());
             for (term, along) in terms.iter().zip(&along) {
                 let parts = &along[block.log][..columns_of(term)];
-                columns.extend(parts.iter().map(|part| block.samples.iter().map(|&sample| part[sample]).collect()));
+                columns.extend(
+                    parts.iter().map(|part| block.samples.iter().map(|&sample| part[sample]).collect()),
+                );
             }
             Normal::of(block, &columns)
         };

@@ -170,7 +170,8 @@ fn covariance(blocks: &[Normal], total: &Normal, columns: &[usize], values: &[f6
     let mut scatter = DMatrix::zeros(n, n);
     for block in blocks {
         let gradient = DVector::from_fn(n, |i, _| {
-            let modelled = columns.iter().zip(values).map(|(&j, value)| value * block.curvature[(columns[i], j)]);
+            let modelled =
+                columns.iter().zip(values).map(|(&j, value)| value * block.curvature[(columns[i], j)]);
             (block.gradient[columns[i]] - modelled.sum::<f64>()) / scale[i]
         });
         scatter.ger(1.0, &gradient, &gradient, 1.0);

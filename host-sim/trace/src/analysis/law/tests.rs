@@ -143,13 +143,18 @@ fn case(seed: u64, terms: usize) -> Case {
     while truths.len() < terms {
         let term = drawn(&mut random);
         let size_um = NOISE_UM * 3.0 * (100.0f64 / 3.0).powf(random.random());
-        if truths.iter().all(|known| std::mem::discriminant(&known.term) != std::mem::discriminant(&term) || matches!(term, Term::Product { .. }) && known.term != term) {
+        if truths.iter().all(|known| {
+            std::mem::discriminant(&known.term) != std::mem::discriminant(&term)
+                || matches!(term, Term::Product { .. }) && known.term != term
+        }) {
             truths.push(Truth { term, size_um });
         }
     }
     let logs: Vec<[Motion; 2]> = (0..5).map(|_| motions(&mut random)).collect();
-    let of_terms: Vec<Vec<Vec<f64>>> =
-        truths.iter().map(|truth| logs.iter().map(|log| values(&truth.term, log, SAMPLES)).collect()).collect();
+    let of_terms: Vec<Vec<Vec<f64>>> = truths
+        .iter()
+        .map(|truth| logs.iter().map(|log| values(&truth.term, log, SAMPLES)).collect())
+        .collect();
     let residual = |log: usize, random: &mut ChaCha8Rng| {
         let mut sum: Vec<f64> = (0..SAMPLES).map(|_| NOISE_UM * normal(random)).collect();
         for (truth, values) in truths.iter().zip(&of_terms) {
@@ -167,7 +172,11 @@ fn case(seed: u64, terms: usize) -> Case {
     let (fit, validate) = of_logs.split_at(3);
     let [fit, validate] = [fit, validate].map(|logs| FitData::new(logs, &names, 0, rates, &options));
     let series = |logs: &[Vec<f64>]| -> Vec<ResidualSeries> {
-        let of = |(log, values): (usize, &Vec<f64>)| ResidualSeries { stage: Stage::Tool, log, values: values.clone() };
+        let of = |(log, values): (usize, &Vec<f64>)| ResidualSeries {
+            stage: Stage::Tool,
+            log,
+            values: values.clone(),
+        };
         logs.iter().enumerate().map(of).collect()
     };
     let (of_fit, of_validation) = residuals.split_at(3);
@@ -187,7 +196,10 @@ fn measure() {
         let alike = |a: &Term, b: &Term| library::is_same_form(a, b, |_| 140.0);
         let is_right = case.truths.iter().all(|truth| found.iter().any(|f| alike(&f.term, &truth.term)))
             && found.len() == case.truths.len();
-        let is_false = found.iter().any(|f| case.found.as_ref().is_some_and(|law| law.is_certain(f)) && !case.truths.iter().any(|t| alike(&f.term, &t.term)));
+        let is_false = found.iter().any(|f| {
+            case.found.as_ref().is_some_and(|law| law.is_certain(f))
+                && !case.truths.iter().any(|t| alike(&f.term, &t.term))
+        });
         let ratio = case.found.as_ref().map_or(f64::NAN, |law| law.after.validate / NOISE_UM);
         all += 1;
         right += usize::from(is_right);
@@ -196,7 +208,15 @@ fn measure() {
         println!("{seed} {is_right} {is_false} {ratio:.3} {:.1} s", started.elapsed().as_secs_f64());
         if !is_right || is_false {
             println!("   truth {:?}", case.truths);
-            for f in &found { println!("   found {:?} certain {} t {:.1} rivals {:?}", f.term, case.found.as_ref().is_some_and(|law| law.is_certain(f)), f.held_out_t, f.rivals); }
+            for f in &found {
+                println!(
+                    "   found {:?} certain {} t {:.1} rivals {:?}",
+                    f.term,
+                    case.found.as_ref().is_some_and(|law| law.is_certain(f)),
+                    f.held_out_t,
+                    f.rivals
+                );
+            }
         }
     }
     println!("right {right} false {wrong} within {within} of {all}");

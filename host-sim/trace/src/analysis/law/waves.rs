@@ -50,7 +50,11 @@ fn explained(pairs: &[(f64, f64)], mean: f64, per_mm: f64) -> f64 {
         sr += sine * residual;
     }
     let determinant = cc * ss - cs * cs;
-    if determinant <= 1e-9 * cc * ss { 0.0 } else { (ss * cr * cr - 2.0 * cs * cr * sr + cc * sr * sr) / determinant }
+    if determinant <= 1e-9 * cc * ss {
+        0.0
+    } else {
+        (ss * cr * cr - 2.0 * cs * cr * sr + cc * sr * sr) / determinant
+    }
 }
 
 /// Where a function with one maximum in an interval is largest (golden section).

@@ -77,7 +77,9 @@ impl LawTerm {
     fn of(law: &FoundLaw, found: &FoundTerm) -> Self {
         let (kind, period_mm, distance_mm, coefficient) = match &found.term {
             Term::Product { coefficient, .. } => ("product", None, None, vec![*coefficient]),
-            Term::Wave { period_mm, cosine, sine, .. } => ("wave", Some(*period_mm), None, vec![*cosine, *sine]),
+            Term::Wave { period_mm, cosine, sine, .. } => {
+                ("wave", Some(*period_mm), None, vec![*cosine, *sine])
+            }
             Term::Hysteresis { distance_mm, coefficient } => {
                 ("hysteresis", None, Some(*distance_mm), vec![*coefficient])
             }
