@@ -105,6 +105,13 @@ impl<S: Scalar> VelocityControl<S> {
         PiOutput { force: S::round(error * self.proportional + integral), error, integral }
     }
 
+    /// The output with an integral that is greater by a force, N. Without an integral part the force stays as a constant.
+    #[must_use]
+    pub fn raised(&self, pi: &PiOutput<S>, force: S) -> PiOutput<S> {
+        let integral = pi.integral + force.widen();
+        PiOutput { force: S::round(pi.error * self.proportional + integral), integral, ..*pi }
+    }
+
     /// Limits the force after filters and compensation; also returns whether the limit is active. Stores the new integral,
     /// except if the limit is active and the velocity error has the sign of the force (anti-windup).
     pub fn limit(&self, state: &mut State<S>, pi: &PiOutput<S>, unlimited: S) -> (S, bool) {
