@@ -280,10 +280,16 @@ impl Power {
             (Self::Stopping(fault), Event::Stopped)
             | (Self::Disabling(Some(fault)), Event::BrakesClosed)
             | (Self::Off, Event::Inhibit(fault)) => Self::Faulted(fault),
-            (_, Event::Enable | Event::EnableWithBrakes | Event::BrakesOpened)
-            | (_, Event::DisableWithBrakes | Event::BrakesClosed | Event::Stopped | Event::Inhibit(_)) => {
-                self
-            }
+            (
+                _,
+                Event::Enable
+                | Event::EnableWithBrakes
+                | Event::BrakesOpened
+                | Event::DisableWithBrakes
+                | Event::BrakesClosed
+                | Event::Stopped
+                | Event::Inhibit(_),
+            ) => self,
         }
     }
 

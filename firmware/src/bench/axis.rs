@@ -112,7 +112,7 @@ impl AxisPlant {
     }
 
     /// Moves by the time of a tick under a force (N) of the drive. A sensor that is frozen is not read.
-    pub fn step(&mut self, force_n: f32, surroundings: &Surroundings, frozen: Frozen) {
+    pub fn step(&mut self, force_n: f32, surroundings: Surroundings, frozen: Frozen) {
         let table_mass_kg = if surroundings.loaded { TABLE_MASS_KG + ADDED_MASS_KG } else { TABLE_MASS_KG };
         let weight_n =
             if surroundings.vertical { GRAVITY_M_PER_S2 * (MOTOR_MASS_KG + table_mass_kg) } else { 0.0 };

@@ -26,7 +26,7 @@ impl Brake {
     }
 
     /// Whether the brake holds the axis.
-    pub const fn is_closed(&self) -> bool {
+    pub const fn is_closed(self) -> bool {
         self.is_closed
     }
 

@@ -168,9 +168,9 @@ impl Bench {
         let forces = if self.enabled { self.forces } else { [0.0; AXES] };
         let [x, y] = &mut self.axes;
         let motor_n = if x_cogging { cogging::force_n(x.motor()) } else { 0.0 };
-        x.step(forces[0], &Surroundings { motor_n, ..Surroundings::default() }, x_frozen);
+        x.step(forces[0], Surroundings { motor_n, ..Surroundings::default() }, x_frozen);
         let braked = vertical && self.y_brake.is_closed();
-        y.step(forces[1], &Surroundings { motor_n: 0.0, vertical, loaded, braked }, Frozen::default());
+        y.step(forces[1], Surroundings { motor_n: 0.0, vertical, loaded, braked }, Frozen::default());
     }
 }
 

@@ -98,8 +98,7 @@ impl Parts {
         let (a, c) = (device.GPIOA.split(&mut rcc), device.GPIOC.split(&mut rcc));
         let analog = (a.pa4.into_analog(), a.pa5.into_analog());
         let analog = AnalogOutputs::new(device.DAC, analog, table.map(zero_volts), &mut rcc);
-        let directions = (c.pc10.into_push_pull_output(), c.pc11.into_push_pull_output());
-        let pins = Pins { enable, brakes, directions };
+        let pins = Pins::new(enable, brakes, (c.pc10, c.pc11));
         // With the pull-down, a broken wire stops the drives.
         let stop = b.pb12.into_alternate().internal_resistor(Pull::Down);
         let pwm = (a.pa8.into_alternate(), a.pa9.into_alternate(), stop);

@@ -24,6 +24,13 @@ pub struct Pins {
     pub directions: (PC10<Output>, PC11<Output>),
 }
 
+impl Pins {
+    /// Enable and brakes are outputs already, so that they are low from the start on.
+    pub fn new(enable: PB14<Output>, brakes: PD2<Output>, (x, y): (PC10, PC11)) -> Self {
+        Self { enable, brakes, directions: (x.into_push_pull_output(), y.into_push_pull_output()) }
+    }
+}
+
 /// The pins of the timer: two PWM outputs, and the break input, which stops the PWM in hardware while it is low. Their types
 /// prove that they are assigned to the timer.
 pub type TimerPins = (PA8<Alternate<1>>, PA9<Alternate<1>>, PB12<Alternate<1>>);

@@ -31,14 +31,15 @@ fn standing(keys: &str, loaded: bool) -> Option<EmulatedBoard> {
 fn way_after_enable_mm(board: &EmulatedBoard) -> [f64; 2] {
     let mut link = RawLink::open(board);
     let frames = [Request::Arm { trigger: Trigger::Now, samples: 8000 }, Request::Enable];
-    let frames = [0, 1].map(|index| frame(link.header(index as u32 + 1), &frames[index]));
+    let [arm, enable] = &frames;
+    let frames = [frame(link.header(1), arm), frame(link.header(2), enable)];
     assert_eq!(link.exchange(&frames, 2), [Reply::Done, Reply::Done]);
     drop(link);
     std::thread::sleep(std::time::Duration::from_millis(700));
     board.succeeds("board capture --port bench --only read --out on.csv");
     let log = fs::read_to_string(board.path().join("on.csv")).unwrap();
     let (head, rows) = log.split_once('\n').unwrap();
-    let column = head.split(',').position(|name| name.contains("y") && name.contains("motor")).expect(head);
+    let column = head.split(',').position(|name| name == "y_motor_mm").expect(head);
     let motor_mm = rows.lines().map(|row| row.split(',').nth(column).unwrap().parse::<f64>().unwrap());
     let motor_mm: Vec<f64> = motor_mm.collect();
     assert!(motor_mm.len() == 8000, "{} rows", motor_mm.len());
