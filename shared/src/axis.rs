@@ -30,8 +30,6 @@ pub struct AxisState<S: Scalar> {
     /// Settle the filters at the next output of the velocity loop, which has been changed. The difference to the last
     /// output is left to the bumpless transfer.
     settle_filters: bool,
-    /// Force of the next tick, the first one after an enable, as an axis at rest needs it.
-    preload: Option<S>,
     monitor: monitor::State<S>,
 }
 
@@ -51,7 +49,6 @@ impl<S: Scalar> AxisState<S> {
             velocity_transfer: BumplessTransfer::INACTIVE,
             force_transfer: BumplessTransfer::INACTIVE,
             settle_filters: false,
-            preload: None,
             monitor: monitor::State::at(command, reading.motor),
         }
     }
@@ -62,11 +59,11 @@ impl<S: Scalar> AxisState<S> {
         Self { feedforward: self.feedforward.corrected(correction), ..self }
     }
 
-    /// This state, from which an axis at rest gets a force in its next tick that continues without a step: the integral makes up what
-    /// the compensation does not. `None`: integral and force start from zero.
-    #[must_use]
-    pub const fn preloaded(self, force: Option<S>) -> Self {
-        Self { preload: force, settle_filters: self.settle_filters || force.is_some(), ..self }
+    /// Lets the force of the loops, before compensation, begin with a force, N, from which it continues without a step: the integral
+    /// and the filters of an axis at rest start with it.
+    pub fn preload(&mut self, force: S) {
+        self.velocity.preload(force);
+        (self.notch, self.low_pass) = (filter::State::settled(force), filter::State::settled(force));
     }
 
     /// The axis after the readings of motor and table have been shifted by `origin`, and the command with them to `command`: the
@@ -137,14 +134,10 @@ impl<S: Scalar> AxisState<S> {
         reading: Reading,
         compensation: S,
     ) -> (S, FaultSet) {
-        let mut pi = config.velocity.pi_output(&mut self.velocity, self.velocity_command, reading.motor);
+        let pi = config.velocity.pi_output(&mut self.velocity, self.velocity_command, reading.motor);
         let mut filtered = pi.force;
         if self.settle_filters {
             self.settle_filters = false;
-            if let Some(preload) = self.preload.take() {
-                pi = config.velocity.raised(&pi, preload - compensation);
-                filtered = pi.force;
-            }
             (self.notch, self.low_pass) =
                 (filter::State::settled(filtered), filter::State::settled(filtered));
         }

@@ -306,7 +306,7 @@ impl Power {
     /// Whether the drives may produce force.
     #[must_use]
     pub const fn is_on(self) -> bool {
-        matches!(self, Self::On | Self::Stopping(_) | Self::Enabling | Self::Disabling(_))
+        !matches!(self, Self::Off | Self::Faulted(_))
     }
 }
 

@@ -208,9 +208,10 @@ impl<S: Scalar> AxisCompensation<S> {
         self.force.step(&mut state.force, target)
     }
 
-    /// Sets the force to what it approaches, without its limited rate.
-    pub(super) fn settle_force(&self, state: &mut State<S>, motor: Position) {
+    /// Sets the force to what it approaches, without its limited rate, and returns it.
+    pub(super) fn settle_force(&self, state: &mut State<S>, motor: Position) -> S {
         state.force = self.force_target(state, motor).clamp_magnitude(self.force.bound);
+        state.force
     }
 
     #[inline]

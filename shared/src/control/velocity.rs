@@ -87,6 +87,11 @@ impl<S: Scalar> State<S> {
         self.last_increment
     }
 
+    /// Sets the integral to a force, N. Without an integral part it stays as a constant.
+    pub fn preload(&mut self, force: S) {
+        self.integral = force.widen();
+    }
+
     /// Sets the integral to zero, for a loop without an integral part.
     pub fn reset_integral(&mut self) {
         self.integral = S::Sum::default();
@@ -103,13 +108,6 @@ impl<S: Scalar> VelocityControl<S> {
         let error = command - velocity;
         let integral = state.integral + error * self.integral;
         PiOutput { force: S::round(error * self.proportional + integral), error, integral }
-    }
-
-    /// The output with an integral that is greater by a force, N. Without an integral part the force stays as a constant.
-    #[must_use]
-    pub fn raised(&self, pi: &PiOutput<S>, force: S) -> PiOutput<S> {
-        let integral = pi.integral + force.widen();
-        PiOutput { force: S::round(pi.error * self.proportional + integral), integral, ..*pi }
     }
 
     /// Limits the force after filters and compensation; also returns whether the limit is active. Stores the new integral,

@@ -152,7 +152,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
             }
             state.until_position_tick -= 1;
             if !state.was_on {
-                self.settle_preloaded(state, readings);
+                self.preload(state, readings);
             }
             forces = self.velocity_tick(state, readings);
             if !state.power.is_on() {
@@ -182,13 +182,15 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         }
     }
 
-    /// With a preload, the force of the compensations does not rise from zero after an enable: it is part of the preload.
+    /// The first tick after an enable: the force begins with the preload. That of the compensations, which does not rise from zero then,
+    /// is part of it, and the integrals make up the rest.
     #[cold]
     #[inline(never)]
-    fn settle_preloaded(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
-        for (axis, (config, reading)) in self.axes.iter().zip(readings).enumerate() {
-            if config.preload.is_some() {
-                state.compensation.settle_force(axis, reading);
+    fn preload(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
+        let State { axes, compensation, .. } = state;
+        for (index, ((axis, config), reading)) in axes.iter_mut().zip(&self.axes).zip(readings).enumerate() {
+            if let Some(preload) = config.preload {
+                axis.preload(preload - compensation.settle_force(index, reading));
             }
         }
     }
@@ -205,7 +207,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         }
     }
 
-    /// Closes the loops at the present command, with every integral at zero, or such that the force is the preload.
+    /// Closes the loops at the present command, with every integral at zero.
     fn enable(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
         if let Some(fault) = self.missing_scale(readings) {
             state.power = state.power.after(Event::Inhibit(fault));
@@ -217,12 +219,11 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
             state.warning = displaced;
         }
         let corrections = state.compensation.active_corrections();
-        for ((((axis, config), command), reading), correction) in
-            state.axes.iter_mut().zip(&self.axes).zip(state.path.command()).zip(readings).zip(corrections)
+        for (((axis, command), reading), correction) in
+            state.axes.iter_mut().zip(state.path.command()).zip(readings).zip(corrections)
         {
             *axis = AxisState::at_rest(command, with_screw(*reading, correction))
-                .corrected(correction.total.distance())
-                .preloaded(config.preload);
+                .corrected(correction.total.distance());
         }
         state.until_position_tick = 0;
         let has_brakes = self.brake_times().is_some();
@@ -264,7 +265,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     fn position_tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
         // A path that waits does so until the brakes are open.
         let commands =
-            if state.power == Power::Enabling { state.path.command() } else { state.path.advance() };
+            if matches!(state.power, Power::Enabling) { state.path.command() } else { state.path.advance() };
         let is_at_segment_end = state.path.take_segment_end();
         state.compensation.advance(&commands, is_at_segment_end);
         let mut faults = [FaultSet::NONE; N];
