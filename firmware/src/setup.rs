@@ -178,6 +178,8 @@ pub const SETTINGS: [AxisSettings; AXES] = [AxisSettings {
     travel_m: Some([0.0, 0.35]),
     stop_deceleration_m_per_s2: 2.0,
     smoothing: Smoothing::None,
+    brake: None,
+    preload_n: None,
 }; AXES];
 
 /// Why the values above were rejected.

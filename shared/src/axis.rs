@@ -59,6 +59,13 @@ impl<S: Scalar> AxisState<S> {
         Self { feedforward: self.feedforward.corrected(correction), ..self }
     }
 
+    /// Lets the force of the loops, before compensation, begin with a force, N, from which it continues without a step: the integral
+    /// and the filters of an axis at rest start with it.
+    pub fn preload(&mut self, force: S) {
+        self.velocity.preload(force);
+        (self.notch, self.low_pass) = (filter::State::settled(force), filter::State::settled(force));
+    }
+
     /// The axis after the readings of motor and table have been shifted by `origin`, and the command with them to `command`: the
     /// loops continue without a step.
     #[must_use]

@@ -4,14 +4,24 @@
 //!
 //! | state | drives | path | event | next state |
 //! |---|---|---|---|---|
-//! | Off | off | at rest, follows the axes when they are moved | enable | On |
+//! | Off | off | at rest, follows the axes when they are moved | enable | On; Enabling if an axis has a brake |
 //! | Off | | | inhibit: the previous run ended by a fault, or a loop has no reading of the scale that it uses | Faulted |
 //! | Off | | | fault, stopped, disable | Off |
 //! | On | on | runs | fault that switches the drives off | Faulted |
 //! | On | | | fault that stops | Stopping |
 //! | On | | | fault that warns | On; the warning stays until disable |
 //! | On | | | disable | Off, path discarded |
-//! | Stopping | on | decelerates along the path | stopped | Faulted |
+//! | On | | | disable in order, with a brake | Disabling |
+//! | Enabling | on | waits; the brakes open | brakes opened | On |
+//! | Enabling | | | fault that switches the drives off | Faulted |
+//! | Enabling | | | fault that stops | Disabling, then Faulted |
+//! | Enabling | | | disable | Off |
+//! | Enabling | | | disable in order | Disabling |
+//! | Disabling | on | decelerates along the path, then the brakes close | brakes closed | Off; Faulted after a fault |
+//! | Disabling | | | fault that switches the drives off | Faulted, with that fault |
+//! | Disabling | | | fault that stops | Disabling, then Faulted |
+//! | Disabling | | | disable | Off |
+//! | Stopping | on | decelerates along the path | stopped | Faulted; Disabling, then Faulted if an axis has a brake |
 //! | Stopping | | | fault that switches the drives off | Faulted, with that fault |
 //! | Stopping | | | fault that stops | Stopping |
 //! | Stopping | | | fault that warns | Stopping; the warning stays until disable |
@@ -20,7 +30,8 @@
 //! | Faulted | off | discarded | disable (acknowledge) | Off |
 //! | Faulted | | | enable, fault, stopped | Faulted: after the acknowledgement a new enable is needed |
 //!
-//! The power stages are enabled in On and Stopping only ([`Power::is_on`]).
+//! The power stages are enabled in On, Enabling, Disabling and Stopping only ([`Power::is_on`]). A fault that switches the drives off also
+//! closes the brakes in the same tick: a stage whose force or reading is wrong must not hold an axis until its brake has closed.
 //!
 //! # Faults
 //!
@@ -224,6 +235,11 @@ pub enum Power {
     Stopping(Fault),
     /// No force until the fault is acknowledged.
     Faulted(Fault),
+    /// The loops are closed and hold the axes, whose brakes open: a motion has to wait.
+    Enabling,
+    /// The loops are closed and hold the axes until their brakes have closed; a path that runs decelerates before. Then the drives go off,
+    /// by a fault if there was one.
+    Disabling(Option<Fault>),
 }
 
 /// An event that may change the power state.
@@ -231,8 +247,16 @@ pub enum Power {
 pub enum Event {
     /// The operator enables the drives.
     Enable,
+    /// The operator enables the drives of a machine with a brake.
+    EnableWithBrakes,
+    /// The brakes have opened.
+    BrakesOpened,
     /// The operator disables them, or acknowledges a fault.
     Disable,
+    /// The drives of a machine with a brake are disabled in order: by the operator, or after a stop.
+    DisableWithBrakes,
+    /// The brakes have closed.
+    BrakesClosed,
     /// A fault has occurred.
     Fault(Fault),
     /// The path has come to rest after a stop.
@@ -246,27 +270,43 @@ impl Power {
     #[must_use]
     pub const fn after(self, event: Event) -> Self {
         match (self, event) {
-            (Self::Off | Self::On, Event::Enable) => Self::On,
-            (_, Event::Disable) | (Self::Off, Event::Fault(_) | Event::Stopped) => Self::Off,
-            (Self::On | Self::Stopping(_), Event::Fault(fault)) => match (self, fault.reaction()) {
-                (_, Reaction::DriveOff) => Self::Faulted(fault),
-                (Self::On, Reaction::Stop) => Self::Stopping(fault),
-                (state, _) => state,
-            },
-            (Self::Stopping(fault), Event::Stopped) | (Self::Off, Event::Inhibit(fault)) => {
-                Self::Faulted(fault)
-            }
-            (Self::On, Event::Stopped)
-            | (Self::Stopping(_), Event::Enable)
-            | (Self::Faulted(_), Event::Enable | Event::Fault(_) | Event::Stopped)
-            | (_, Event::Inhibit(_)) => self,
+            (Self::Off, Event::Enable) | (Self::Enabling, Event::BrakesOpened) => Self::On,
+            (Self::Off, Event::EnableWithBrakes) => Self::Enabling,
+            (_, Event::Disable) | (Self::Disabling(None), Event::BrakesClosed) => Self::Off,
+            (Self::On | Self::Enabling, Event::DisableWithBrakes) => Self::Disabling(None),
+            (Self::Stopping(fault), Event::DisableWithBrakes) => Self::Disabling(Some(fault)),
+            (Self::Off | Self::Faulted(_), Event::Fault(_)) => self,
+            (_, Event::Fault(fault)) => self.after_fault(fault),
+            (Self::Stopping(fault), Event::Stopped)
+            | (Self::Disabling(Some(fault)), Event::BrakesClosed)
+            | (Self::Off, Event::Inhibit(fault)) => Self::Faulted(fault),
+            (
+                _,
+                Event::Enable
+                | Event::EnableWithBrakes
+                | Event::BrakesOpened
+                | Event::DisableWithBrakes
+                | Event::BrakesClosed
+                | Event::Stopped
+                | Event::Inhibit(_),
+            ) => self,
+        }
+    }
+
+    /// The state after a fault of drives that are on.
+    const fn after_fault(self, fault: Fault) -> Self {
+        match (self, fault.reaction()) {
+            (_, Reaction::DriveOff) => Self::Faulted(fault),
+            (Self::On, Reaction::Stop) => Self::Stopping(fault),
+            (Self::Enabling | Self::Disabling(None), Reaction::Stop) => Self::Disabling(Some(fault)),
+            (state, _) => state,
         }
     }
 
     /// Whether the drives may produce force.
     #[must_use]
     pub const fn is_on(self) -> bool {
-        matches!(self, Self::On | Self::Stopping(_))
+        !matches!(self, Self::Off | Self::Faulted(_))
     }
 }
 
@@ -322,6 +362,43 @@ mod tests {
             assert_eq!(Power::Off.after(event), Power::Off);
         }
         assert!(Power::Off.after(Event::Enable).is_on());
+    }
+
+    /// With brakes, each way from off to on and back leads over the state that waits for them.
+    #[test]
+    fn brakes_open_before_a_motion_and_close_before_the_drives_go_off() {
+        let enabling = Power::Off.after(Event::EnableWithBrakes);
+        assert_eq!((enabling, enabling.after(Event::BrakesOpened)), (Power::Enabling, Power::On));
+        for power in [Power::On, Power::Enabling] {
+            let disabling = power.after(Event::DisableWithBrakes);
+            assert_eq!(
+                (disabling, disabling.after(Event::BrakesClosed)),
+                (Power::Disabling(None), Power::Off)
+            );
+            assert_eq!(disabling.after(Event::EnableWithBrakes), disabling);
+        }
+        let fault = on(FaultKind::SoftLimit);
+        let disabling = Power::Stopping(fault).after(Event::DisableWithBrakes);
+        assert_eq!(disabling, Power::Disabling(Some(fault)));
+        assert_eq!(disabling.after(Event::BrakesClosed), Power::Faulted(fault));
+    }
+
+    /// While brakes open or close the axes stand: a fault that stops closes the brakes; one that switches the drives off does so at
+    /// once, as does a disable.
+    #[test]
+    fn each_fault_has_its_reaction_while_brakes_move() {
+        for fault in faults() {
+            for power in [Power::Enabling, Power::Disabling(None), Power::Disabling(Some(Fault::HostSilent))]
+            {
+                let after = power.after(Event::Fault(fault));
+                match (fault.reaction(), power) {
+                    (Reaction::DriveOff, _) => assert_eq!(after, Power::Faulted(fault)),
+                    (Reaction::Warn, _) | (_, Power::Disabling(Some(_))) => assert_eq!(after, power),
+                    (Reaction::Stop, _) => assert_eq!(after, Power::Disabling(Some(fault))),
+                }
+                assert!(power.is_on() && power.after(Event::Disable) == Power::Off);
+            }
+        }
     }
 
     #[test]

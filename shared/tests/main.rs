@@ -18,3 +18,4 @@ mod path;
 mod safety;
 mod slide;
 mod velocity_loop;
+mod vertical;

@@ -27,8 +27,14 @@ pub const TABLE_MASS_KG: f32 = 9.0;
 pub const STIFFNESS_N_PER_M: f32 = 50e6;
 /// Damping of the screw, N·s/m.
 pub const DAMPING_N_S_PER_M: f32 = 5000.0;
+/// Mass that can be put on the table, kg.
+pub const ADDED_MASS_KG: f32 = 3.0;
+/// Acceleration of gravity, m/s².
+pub const GRAVITY_M_PER_S2: f32 = 9.81;
 /// Coulomb friction of the table, N.
 pub const COULOMB_N: f32 = 20.0;
+/// Friction of a closed brake on the motor, N.
+pub const BRAKE_N: f32 = 1000.0;
 /// Viscous friction of the table, N·s/m.
 pub const VISCOUS_N_S_PER_M: f32 = 100.0;
 
@@ -49,6 +55,19 @@ pub struct Frozen {
     pub encoder: bool,
     /// The linear scale.
     pub scale: bool,
+}
+
+/// What acts on an axis beside its drive.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Surroundings {
+    /// Force on the motor, N.
+    pub motor_n: f32,
+    /// The axis is vertical: the weight of motor side and table, which have no counterweight, acts downwards.
+    pub vertical: bool,
+    /// [`ADDED_MASS_KG`] is on the table.
+    pub loaded: bool,
+    /// Its brake is closed.
+    pub braked: bool,
 }
 
 /// An axis.
@@ -92,14 +111,21 @@ impl AxisPlant {
         }
     }
 
-    /// Moves by the time of a tick under a force (N) on the motor. A sensor that is frozen is not read.
-    pub fn step(&mut self, force_n: f32, frozen: Frozen) {
+    /// Moves by the time of a tick under a force (N) of the drive. A sensor that is frozen is not read.
+    pub fn step(&mut self, force_n: f32, surroundings: Surroundings, frozen: Frozen) {
+        let table_mass_kg = if surroundings.loaded { TABLE_MASS_KG + ADDED_MASS_KG } else { TABLE_MASS_KG };
+        let weight_n =
+            if surroundings.vertical { GRAVITY_M_PER_S2 * (MOTOR_MASS_KG + table_mass_kg) } else { 0.0 };
+        let force_n = force_n + surroundings.motor_n;
         for _ in 0..STEPS {
             let screw_n = self.screw_force();
             self.motor_velocity += STEP_S / MOTOR_MASS_KG * (force_n - screw_n);
-            let moving = screw_n - VISCOUS_N_S_PER_M * self.table_velocity;
-            let free = self.table_velocity + STEP_S / TABLE_MASS_KG * moving;
-            let friction = STEP_S / TABLE_MASS_KG * COULOMB_N;
+            if surroundings.braked {
+                self.motor_velocity -= within(self.motor_velocity, STEP_S / MOTOR_MASS_KG * BRAKE_N);
+            }
+            let moving = screw_n - weight_n - VISCOUS_N_S_PER_M * self.table_velocity;
+            let free = self.table_velocity + STEP_S / table_mass_kg * moving;
+            let friction = STEP_S / table_mass_kg * COULOMB_N;
             self.table_velocity = free - within(free, friction);
             #[expect(clippy::cast_possible_truncation, reason = "a position unit")]
             let way = |velocity: f32| (velocity * (STEP_S * UNITS)) as i64;

@@ -1,9 +1,11 @@
 //! The simulated machine of the emulated servo board: two axes behind the same trait as the pins of a real board.
 //!
 //! `host-sim/machines/bench.toml` declares this machine. What it does not declare is the backlash of the x screw
-//! ([`BACKLASH_M`]): the tracer finds it in the logs of the board. The x motor has no cogging until it is switched on ([`COGGING`]).
+//! ([`BACKLASH_M`]): the tracer finds it in the logs of the board. The x motor has no cogging until it is switched on ([`COGGING`]), and y is
+//! horizontal until it is stood up.
 
 mod axis;
+mod brake;
 mod cogging;
 
 use shared::capture::ChannelSteps;
@@ -22,7 +24,8 @@ use shared::units::{PER_NM, Position};
 
 use crate::setup::{self, AXES, RATES, SWITCH_SETTLING_TICKS, SetupError, TICK_HZ};
 pub use axis::COUNT;
-use axis::{AxisPlant, Frozen, INDEX_M, LEAD_M};
+use axis::{AxisPlant, Frozen, INDEX_M, LEAD_M, Surroundings};
+use brake::Brake;
 pub use cogging::{COGGING, CoggingWave};
 
 /// Width of the dead zone between screw and table, m. Not declared in the machine file.
@@ -106,6 +109,8 @@ pub struct Bench {
     /// Forces that act until the next tick, N.
     forces: [f32; AXES],
     enabled: bool,
+    /// The brake of y, which a horizontal axis does not have.
+    y_brake: Brake,
     operator_inputs: OperatorInputs,
 }
 
@@ -123,6 +128,10 @@ pub struct OperatorInputs {
     pub x_scale_lost: bool,
     /// The x motor has its cogging ([`COGGING`]).
     pub x_cogging: bool,
+    /// y is vertical, upwards in the positive direction, and has a brake.
+    pub y_vertical: bool,
+    /// The table of y carries 3 kg more.
+    pub y_loaded: bool,
 }
 
 impl Bench {
@@ -133,12 +142,15 @@ impl Bench {
             axes: core::array::from_fn(|axis| AxisPlant::new(BACKLASH_M[axis], START_M[axis])),
             forces: [0.0; AXES],
             enabled: false,
+            y_brake: Brake::CLOSED,
             operator_inputs: OperatorInputs {
                 enable_switch: false,
                 emergency_stop: false,
                 x_frozen: Frozen { encoder: false, scale: false },
                 x_scale_lost: false,
                 x_cogging: false,
+                y_vertical: false,
+                y_loaded: false,
             },
         }
     }
@@ -150,12 +162,15 @@ impl Bench {
 
     /// Moves the machine by the time of a tick.
     pub fn step(&mut self) {
-        let OperatorInputs { x_frozen, x_cogging, .. } = self.operator_inputs;
-        let inputs = [(x_frozen, x_cogging), (Frozen::default(), false)];
-        for ((axis, force), (frozen, has_cogging)) in self.axes.iter_mut().zip(self.forces).zip(inputs) {
-            let cogging_n = if has_cogging { cogging::force_n(axis.motor()) } else { 0.0 };
-            axis.step(cogging_n + if self.enabled { force } else { 0.0 }, frozen);
-        }
+        let OperatorInputs { x_frozen, x_cogging, y_vertical: vertical, y_loaded: loaded, .. } =
+            self.operator_inputs;
+        self.y_brake.step();
+        let forces = if self.enabled { self.forces } else { [0.0; AXES] };
+        let [x, y] = &mut self.axes;
+        let motor_n = if x_cogging { cogging::force_n(x.motor()) } else { 0.0 };
+        x.step(forces[0], Surroundings { motor_n, ..Surroundings::default() }, x_frozen);
+        let braked = vertical && self.y_brake.is_closed();
+        y.step(forces[1], Surroundings { motor_n: 0.0, vertical, loaded, braked }, Frozen::default());
     }
 }
 
@@ -204,6 +219,10 @@ impl Board<AXES, DriveSignal> for Bench {
 
     fn set_enabled(&mut self, enabled: bool) {
         self.enabled = enabled;
+    }
+
+    fn set_brakes_open(&mut self, open: bool) {
+        self.y_brake.set_open(open);
     }
 
     /// Nobody looks at the light of a simulated machine.

@@ -84,6 +84,10 @@ impl Board<AXES, DriveSignal> for Ticking<'_> {
         self.0.set_enabled(enabled);
     }
 
+    fn set_brakes_open(&mut self, open: bool) {
+        self.0.set_brakes_open(open);
+    }
+
     fn set_light(&mut self, lit: bool) {
         self.0.set_light(lit);
     }

@@ -91,14 +91,14 @@ impl Parts {
         // The stages are disabled first, before the wait for the crystal.
         let b = device.GPIOB.split(&mut rcc);
         let enable = b.pb14.into_push_pull_output_in_state(PinState::Low);
+        let brakes = device.GPIOD.split(&mut rcc).pd2.into_push_pull_output_in_state(PinState::Low);
         let previous_fault = clock::previous_fault(&rcc);
 
         let mut rcc = clock::set_up(rcc);
         let (a, c) = (device.GPIOA.split(&mut rcc), device.GPIOC.split(&mut rcc));
         let analog = (a.pa4.into_analog(), a.pa5.into_analog());
         let analog = AnalogOutputs::new(device.DAC, analog, table.map(zero_volts), &mut rcc);
-        let pins =
-            Pins { enable, directions: (c.pc10.into_push_pull_output(), c.pc11.into_push_pull_output()) };
+        let pins = Pins::new(enable, brakes, (c.pc10, c.pc11));
         // With the pull-down, a broken wire stops the drives.
         let stop = b.pb12.into_alternate().internal_resistor(Pull::Down);
         let pwm = (a.pa8.into_alternate(), a.pa9.into_alternate(), stop);
@@ -237,6 +237,10 @@ impl Board<AXES, DriveSignal> for Hardware {
         self.stages.set_enabled(enabled);
     }
 
+    fn set_brakes_open(&mut self, open: bool) {
+        self.stages.set_brakes_open(open);
+    }
+
     fn set_light(&mut self, lit: bool) {
         // The light is connected between the pin and the supply: active low.
         self.fault_light.set_state((!lit).into());
@@ -247,7 +251,7 @@ impl Board<AXES, DriveSignal> for Hardware {
     }
 }
 
-/// Disables the power stages from any context and in any state of the program.
+/// Disables the power stages and closes the brakes, from any context and in any state of the program.
 pub fn drives_off() {
     Stages::cut();
 }

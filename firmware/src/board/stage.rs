@@ -1,4 +1,4 @@
-//! The power stages: PWM of TIM1, direction pins and the enable pin.
+//! The power stages: PWM of TIM1, direction pins, the enable pin and that of the brakes.
 //!
 //! TIM1 is configured by its registers: PWM drivers of libraries let the outputs restart automatically after a break (AOE)
 //! and let the pins float while the outputs are off (OSSI).
@@ -7,7 +7,7 @@
 //! which its duty takes effect: direction and pulse match for any duty.
 
 use shared::drive::{DriveSignal, Duty};
-use stm32f4xx_hal::gpio::{Alternate, Output, PA8, PA9, PB12, PB14, PC10, PC11};
+use stm32f4xx_hal::gpio::{Alternate, Output, PA8, PA9, PB12, PB14, PC10, PC11, PD2};
 use stm32f4xx_hal::pac::{self, TIM1};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
@@ -18,8 +18,17 @@ use crate::setup::{self, AXES};
 pub struct Pins {
     /// Enable input of both stages, active high.
     pub enable: PB14<Output>,
+    /// Holding brakes of all axes, high: open.
+    pub brakes: PD2<Output>,
     /// High for a negative force.
     pub directions: (PC10<Output>, PC11<Output>),
+}
+
+impl Pins {
+    /// Enable and brakes are outputs already, so that they are low from the start on.
+    pub fn new(enable: PB14<Output>, brakes: PD2<Output>, (x, y): (PC10, PC11)) -> Self {
+        Self { enable, brakes, directions: (x.into_push_pull_output(), y.into_push_pull_output()) }
+    }
 }
 
 /// The pins of the timer: two PWM outputs, and the break input, which stops the PWM in hardware while it is low. Their types
@@ -115,6 +124,11 @@ impl Stages {
         }
     }
 
+    /// Opens or closes the brakes.
+    pub fn set_brakes_open(&mut self, open: bool) {
+        self.pins.brakes.set_state(open.into());
+    }
+
     /// Whether the break has been active since the last call. The flag cannot be cleared while the input is low.
     pub fn are_stopped(&mut self) -> bool {
         let stopped = self.timer.sr().read().bif().bit_is_set();
@@ -124,11 +138,12 @@ impl Stages {
         stopped
     }
 
-    /// Disables the stages from any context and in any state of the program.
+    /// Disables the stages and closes the brakes, from any context and in any state of the program.
     pub fn cut() {
-        // SAFETY: these writes to a set-reset register and to the main output enable can only switch off.
-        let (port, timer) = unsafe { (&*pac::GPIOB::ptr(), &*TIM1::ptr()) };
+        // SAFETY: these writes to set-reset registers and to the main output enable can only switch off.
+        let (port, brakes, timer) = unsafe { (&*pac::GPIOB::ptr(), &*pac::GPIOD::ptr(), &*TIM1::ptr()) };
         port.bsrr().write(|w| w.br14().set_bit());
+        brakes.bsrr().write(|w| w.br2().set_bit());
         timer.bdtr().modify(|_, w| w.moe().clear_bit());
     }
 }

@@ -15,6 +15,8 @@ pub const END: u8 = b'q';
 /// | `k`, `m` | freezes the x scale, thaws it |
 /// | `l`, `g` | loses the signal of the x scale, gives it back |
 /// | `w`, `n` | the x motor has cogging, has none |
+/// | `v`, `h` | y is vertical with a brake, horizontal |
+/// | `a`, `d` | puts 3 kg on the table of y, takes them away |
 pub fn operate(operator_inputs: &mut OperatorInputs, byte: u8) -> bool {
     let (input, on) = match byte {
         b'c' => (&mut operator_inputs.enable_switch, true),
@@ -29,6 +31,10 @@ pub fn operate(operator_inputs: &mut OperatorInputs, byte: u8) -> bool {
         b'g' => (&mut operator_inputs.x_scale_lost, false),
         b'w' => (&mut operator_inputs.x_cogging, true),
         b'n' => (&mut operator_inputs.x_cogging, false),
+        b'v' => (&mut operator_inputs.y_vertical, true),
+        b'h' => (&mut operator_inputs.y_vertical, false),
+        b'a' => (&mut operator_inputs.y_loaded, true),
+        b'd' => (&mut operator_inputs.y_loaded, false),
         _ => return false,
     };
     *input = on;

@@ -30,7 +30,7 @@ impl Client {
             let status = self.status()?;
             match status.power {
                 Power::On => return Ok(()),
-                Power::Off if started.elapsed() < ENABLE_TIMEOUT => self.listen(POLL)?,
+                Power::Off | Power::Enabling if started.elapsed() < ENABLE_TIMEOUT => self.listen(POLL)?,
                 _ => return Err(stopped(&status)),
             }
         }
@@ -86,12 +86,12 @@ impl Client {
 #[must_use]
 pub fn stopped(status: &Status) -> BoardError {
     BoardError::Stopped(match status.power {
-        Power::Stopping(fault) | Power::Faulted(fault) => {
+        Power::Stopping(fault) | Power::Faulted(fault) | Power::Disabling(Some(fault)) => {
             format!("the drives have stopped: {}; `board clear` acknowledges it", refusal::fault(fault))
         }
-        Power::Off => {
+        Power::Off | Power::Disabling(None) => {
             "the drives have gone off: the enable switch was opened, or they were disabled".to_owned()
         }
-        Power::On => "the drives are on".to_owned(),
+        Power::On | Power::Enabling => "the drives are on".to_owned(),
     })
 }

@@ -67,6 +67,7 @@ pub fn text(refusal: &Refusal) -> String {
         Refusal::Override { max } => format!("the override: expected a number from 0 to {max} %"),
         Refusal::NothingMoves => "nothing moves or is held: an override applies to a motion that runs".into(),
         Refusal::Excitation(problem) => excitation_problem(*problem).into(),
+        Refusal::BrakesMove => "its brakes open or close, and the drives hold the axes; try again".into(),
         Refusal::Busy => "the path changes too fast; try again".into(),
     }
 }
@@ -137,6 +138,9 @@ const fn direction_problem(problem: DirectionProblem) -> &'static str {
         }
         DirectionProblem::StepDrive => "a drive with step and direction inputs has no force to check",
         DirectionProblem::Force => "the force has to be positive and at most the force limit of the axis",
+        DirectionProblem::Brake => {
+            "the axis has a brake: with open loops it would fall. Check the direction with the axis supported and without its brake keys"
+        }
         DirectionProblem::Setting => "expected a time of at most 1 s and a distance of at most 5 mm",
     }
 }

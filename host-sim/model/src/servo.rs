@@ -1,9 +1,9 @@
 //! Conversion of the controller's keys in the machine file to settings of `shared`.
 
-use shared::config::{self, AxisSettings, LowPass, Notch, ScaleLimits};
+use shared::config::{self, AxisSettings, Brake, LowPass, Notch, ScaleLimits};
 use shared::interpolate::Smoothing;
 
-use crate::axis::{Controller, Drive, Feedback, Filters, Law, Limits, Sensors, Settings};
+use crate::axis::{Controller, Drive, Feedback, Filters, Holding, Law, Limits, Sensors, Settings};
 use crate::effects::{
     ComputationDelay, DriveDeadTime, DriveLag, Effect, FeedforwardMismatch, IntegralTimeMismatch, LoopDelay,
     PositionDelay, ServoMismatch, VelocityFilter, VelocityGainMismatch, VelocityLag,
@@ -128,7 +128,7 @@ impl ServoParameters {
 /// # Errors
 /// The missing key.
 pub fn settings(axis: &Settings, effects: &ServoParameters) -> Result<AxisSettings, &'static str> {
-    let Settings { controller, filters, limits, sensors, .. } = axis;
+    let Settings { controller, filters, limits, holding, sensors, .. } = axis;
     if controller.drive != Drive::Torque {
         return Err("drive = \"torque\"");
     }
@@ -162,6 +162,8 @@ pub fn settings(axis: &Settings, effects: &ServoParameters) -> Result<AxisSettin
         stop_deceleration_m_per_s2: limits
             .stop_deceleration_m_per_s2
             .unwrap_or(defaults.stop_deceleration_m_per_s2),
+        brake: brake(holding),
+        preload_n: holding.preload_n,
         ..defaults
     })
 }
@@ -190,6 +192,11 @@ fn feedback(sensors: &Sensors, limits: &Limits) -> Result<config::Sensors, &'sta
             limits: with_scale,
         },
     })
+}
+
+/// The holding brake, if both keys are declared.
+fn brake(holding: &Holding) -> Option<Brake> {
+    Some(Brake { release_s: holding.brake_release_s?, engage_s: holding.brake_engage_s? })
 }
 
 /// The filter of the path.

@@ -161,8 +161,7 @@ fn velocity_loop_rate_hz(machine: &Machine) -> f64 {
 /// that is T/2 old and hold its force for T, and with its integral part the axis would be ahead by T. Its reading is therefore later than a
 /// difference of two readings by −T. The friction turns over with the travel, as in the fit.
 fn equivalent_axis(axis: &Axis, simulated: &Loop, tick_s: f64) -> Axis {
-    let Settings { names, mut controller, filters, limits, mechanics, sensors, pid: _ } =
-        axis.settings.clone();
+    let Settings { names, mut controller, filters, limits, mechanics, sensors, .. } = axis.settings.clone();
     let mechanics = if axis.settings.has_mass() {
         mechanics
     } else {
@@ -176,7 +175,7 @@ fn equivalent_axis(axis: &Axis, simulated: &Loop, tick_s: f64) -> Axis {
     controller.velocity_gain_n_s_per_m = Some(mass_kg / simulated.time_constant_s);
     controller.velocity_integral_time_s = simulated.integral_time_s;
     controller.force_limit_n = None;
-    let settings = Settings { names, controller, pid: Pid::default(), filters, limits, mechanics, sensors };
+    let settings = Settings { names, controller, filters, limits, mechanics, sensors, ..Settings::default() };
     let equivalent = Axis {
         settings,
         empirical: axis.empirical.clone(),

@@ -214,52 +214,61 @@ pub fn summary(seed: u64, outcomes: &[LawOutcome]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::Memories;
+    use crate::plant::State;
+
+    /// The forms, at one state, against products written out; a memory after 3 mm forwards and 2 mm back over 4 mm.
+    #[test]
+    fn a_term_is_its_form_times_its_factor() {
+        let own = State { table_m: 0.02, table_m_per_s: -0.1, table_m_per_s2: 2.0, ..State::default() };
+        let other = State { table_m: -0.05, table_m_per_s: 0.3, ..State::default() };
+        let law = |form| [LawTerm { form, factor: 2.0 }];
+        let at = |form| crate::law::displacement_m(&law(form), &own, &other, &Memories::default());
+        for (form, expected) in [
+            (Form::OwnTimesOther, 0.02 * -0.05),
+            (Form::Speed, 0.1),
+            (Form::VelocitySquared, 0.01),
+            (Form::OtherCubed, -0.05 * 0.05 * 0.05),
+            (Form::VelocityTimesOther, 0.1 * 0.05),
+            (Form::AccelerationTimesOther, -0.1),
+            (Form::OtherVelocity, 0.3),
+            (Form::OtherWave(0.2, 0.0), -1.0),
+        ] {
+            assert!((at(form) / (2.0 * expected) - 1.0).abs() < 1e-12, "{form:?}");
+        }
+        // The direction turns over within 0.05 mm/s: 0.1 of 0.10005.
+        assert!((at(Form::OwnTimesDirection) / (-2.0 * 0.02) - 1.0).abs() < 1e-3);
+        let hysteresis = law(Form::Hysteresis(4e-3));
+        let mut memories = Memories::default();
+        for step in 0..5000 {
+            let moved_m = if step < 3000 { 1e-6 } else { -1e-6 };
+            memories.follow(&hysteresis, 0.0, moved_m);
+        }
+        let there = 1.0 - libm::exp(-0.75);
+        let back = -1.0 + (there + 1.0) * libm::exp(-0.5);
+        let found = crate::law::displacement_m(&hysteresis, &own, &other, &memories);
+        // Steps of 1 µm over 4 mm: an error of half a step in the exponent.
+        assert!((found - 2.0 * back).abs() < 1e-3, "{found} {back}");
+    }
 
     #[test]
-    #[ignore = "measurement"]
-    fn measure() {
-        let env = |name: &str, or: u64| std::env::var(name).ok().and_then(|n| n.parse().ok()).unwrap_or(or);
-        let (seed, from, to) = (env("SEED", 9001), env("FROM", 1), env("TO", 12));
-        let mut all = Vec::new();
-        for number in from..=to {
-            let law = LawCase::draw(seed, number).unwrap();
-            let trace = crate::traced(&law.case, &|_| ()).unwrap();
-            let outcome = LawOutcome::of(&law, &trace);
-            println!(
-                "== {number} axis {} {:?} right {} left {:?}",
-                law.axis,
-                law.terms.iter().map(|(t, size)| (t.form, *size)).collect::<Vec<_>>(),
-                outcome.is_right,
-                outcome.left
-            );
-            for e in trace["effects"].as_array().unwrap() {
-                println!("   effect {} {} {} {}", e["axis"], e["name"], e["certainty"], e["rivals"]);
-            }
-            for l in trace["laws"].as_array().unwrap() {
-                println!(
-                    "   law {} {} {} {} {}",
-                    l["axis"], l["channel"], l["equation"], l["before"], l["after"]
-                );
-                for t in l["terms"].as_array().unwrap() {
-                    println!(
-                        "       {} t {} certain {} rivals {}",
-                        t["form"], t["held_out_t"], t["is_certain"], t["rivals"]
-                    );
-                }
-            }
-            for r in trace["residual"].as_array().unwrap() {
-                if r["channel"] == "tool" {
-                    println!("   residual {r}");
-                }
-            }
-            for r in trace["data_faults"].as_array().unwrap() {
-                println!("   fault {r}");
-            }
-            for r in trace["unexplained"].as_array().unwrap() {
-                println!("   unexplained {r}");
-            }
-            all.push(outcome);
+    fn a_case_has_terms_of_the_drawn_sizes() {
+        let law = LawCase::draw(5, 2).unwrap();
+        assert!((1..=3).contains(&law.terms.len()));
+        for (term, size) in &law.terms {
+            assert!((SIZES[0]..=SIZES[1]).contains(size) && term.factor != 0.0, "{term:?} {size}");
         }
-        println!("{}", summary(seed, &all));
+    }
+
+    #[test]
+    fn terms_of_other_forms_or_lengths_are_not_the_true_ones() {
+        let wave = Form::OtherWave(0.02, 1.0);
+        let found =
+            |kind: &str, of: &[&str], period_mm: f64| json!({"kind": kind, "of": of, "period_mm": period_mm});
+        assert!(is_same(&wave, &found("wave", &["other_position_mm"], 21.0)));
+        assert!(!is_same(&wave, &found("wave", &["other_position_mm"], 40.0)));
+        assert!(!is_same(&wave, &found("wave", &["position_mm"], 20.0)));
+        let product = json!({"kind": "product", "of": ["other_position_mm", "position_mm"]});
+        assert!(is_same(&Form::OwnTimesOther, &product) && !is_same(&Form::Speed, &product));
     }
 }

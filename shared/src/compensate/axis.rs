@@ -204,6 +204,18 @@ impl<S: Scalar> AxisCompensation<S> {
     /// The force to add, once per tick.
     #[inline(never)]
     pub(super) fn force(&self, state: &mut State<S>, motor: Position) -> S {
+        let target = self.force_target(state, motor);
+        self.force.step(&mut state.force, target)
+    }
+
+    /// Sets the force to what it approaches, without its limited rate, and returns it.
+    pub(super) fn settle_force(&self, state: &mut State<S>, motor: Position) -> S {
+        state.force = self.force_target(state, motor).clamp_magnitude(self.force.bound);
+        state.force
+    }
+
+    #[inline]
+    fn force_target(&self, state: &State<S>, motor: Position) -> S {
         let mut target = state.pulse_force;
         if state.active.has(CompensationKind::Force) {
             target = target + S::from_fixed(state.model.applied);
@@ -211,6 +223,6 @@ impl<S: Scalar> AxisCompensation<S> {
         if state.active.has(CompensationKind::Ripple) {
             target = target - self.ripple.at(motor);
         }
-        self.force.step(&mut state.force, target)
+        target
     }
 }

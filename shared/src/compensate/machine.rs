@@ -165,6 +165,14 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         }
     }
 
+    /// Sets the force of an axis at rest to what it approaches, and returns it: for an axis whose drive has just come on with its load.
+    pub fn settle_force(&mut self, axis: usize, reading: &Reading) -> S {
+        match (self.is_set.get(axis), self.axes.get(axis), self.states.get_mut(axis)) {
+            (Some(true), Some(compensation), Some(state)) => compensation.settle_force(state, reading.motor),
+            _ => S::ZERO,
+        }
+    }
+
     /// The force to add to that of an axis, once per tick.
     pub fn force(&mut self, axis: usize, reading: &Reading) -> S {
         match (self.is_set.get(axis), self.axes.get(axis), self.states.get_mut(axis)) {

@@ -2,7 +2,7 @@
 
 use super::check::{finite, gain, gain_over_time, positive, ranged, resolved_gain};
 use super::error::ConfigError;
-use super::settings::{AxisSettings, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
+use super::settings::{AxisSettings, Brake, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
 use crate::control::feedforward::Feedforward;
 use crate::control::filter::Filter;
 use crate::control::hpc::Hpc;
@@ -50,6 +50,19 @@ pub struct AxisConfig<S: Scalar> {
     pub monitor: Monitor<S>,
     /// Deceleration of a stop, position units per position tick² with 16 fraction bits.
     pub stop_deceleration: u64,
+    /// Times of the holding brake.
+    pub brake: Option<BrakeTicks>,
+    /// Force with which the drive comes on.
+    pub preload: Option<S>,
+}
+
+/// The times of a holding brake in whole ticks, not shorter than declared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BrakeTicks {
+    /// From the output until the brake is open.
+    pub release: u32,
+    /// From the output until the brake holds.
+    pub engage: u32,
 }
 
 /// Longest time of the feed-forward ahead of the command, position ticks.
@@ -104,6 +117,8 @@ impl<S: Scalar> AxisConfig<S> {
             force_transfer_decay: S::gain(-libm::expm1(-kp * rates.tick)),
             monitor: monitor(settings, &rates)?,
             stop_deceleration: per_tick("stop_deceleration_m_per_s2", deceleration)?,
+            brake: settings.brake.map(|brake| brake_ticks(&brake, rates.rate)).transpose()?,
+            preload: settings.preload_n.map(|n| preload(n, settings.force_limit_n)).transpose()?,
         })
     }
 }
@@ -267,6 +282,23 @@ fn travel(travel_m: Option<[f64; 2]>) -> Result<[Position; 2], ConfigError> {
     Ok([min, max])
 }
 
+fn brake_ticks(brake: &Brake, rate_hz: f64) -> Result<BrakeTicks, ConfigError> {
+    let ticks = |name, time_s| {
+        let time_s = ranged(name, time_s, 0.0, Brake::LONGEST_S)?;
+        // A time of whole ticks is not made longer by its rounding error.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 2e6")]
+        Ok(libm::ceil(time_s * rate_hz * (1.0 - 1e-12)) as u32)
+    };
+    Ok(BrakeTicks {
+        release: ticks("brake_release_s", brake.release_s)?,
+        engage: ticks("brake_engage_s", brake.engage_s)?,
+    })
+}
+
+fn preload<S: Scalar>(preload_n: f64, force_limit_n: f64) -> Result<S, ConfigError> {
+    Ok(S::signal(ranged("preload_n", preload_n, -force_limit_n, force_limit_n)?))
+}
+
 /// Metres per tick (or tick²) as position units with 16 fraction bits.
 fn per_tick(name: &'static str, value: f64) -> Result<u64, ConfigError> {
     let units = positive(name, value)? * PER_M * 65_536.0;
@@ -332,6 +364,36 @@ mod tests {
         // The gain 1/(rate·T) must be at least 50·2⁻²⁴: T ≤ 16.8 s at 20 kHz.
         assert!(matches!(slow, ConfigError::OutOfRange { name: "dual_feedback_time_constant_s", max, .. }
             if (16.7..16.8).contains(&max)));
+    }
+
+    /// 50 ms are 1000 ticks of 20 kHz; a tenth of a tick more is another one.
+    #[test]
+    fn the_times_of_a_brake_are_whole_ticks_and_not_shorter() {
+        for (release_s, engage_s, release, engage) in
+            [(0.05, 0.15, 1000, 3000), (0.0, 2.0, 0, 40_000), (0.050_005, 1e-9, 1001, 1)]
+        {
+            let brake = Some(Brake { release_s, engage_s });
+            let axis =
+                AxisConfig::<Fixed>::new(&AxisSettings { brake, ..AxisSettings::default() }, RATES).unwrap();
+            assert_eq!(axis.brake, Some(BrakeTicks { release, engage }));
+        }
+        for time_s in [-1e-9, 2.1, f64::NAN] {
+            let of = |release_s, engage_s| error_of(|s| s.brake = Some(Brake { release_s, engage_s }));
+            assert_eq!(of(time_s, 0.1).name(), "brake_release_s");
+            assert_eq!(of(0.1, time_s).name(), "brake_engage_s");
+        }
+    }
+
+    #[test]
+    fn a_preload_is_at_most_the_force_limit() {
+        let limits = ConfigError::OutOfRange { name: "preload_n", min: -10_000.0, max: 10_000.0 };
+        assert_eq!(error_of(|s| s.preload_n = Some(10_000.1)), limits);
+        assert_eq!(error_of(|s| s.preload_n = Some(-10_000.1)), limits);
+        let settings = AxisSettings { preload_n: Some(-10_000.0), ..AxisSettings::default() };
+        assert_eq!(
+            AxisConfig::<Fixed>::new(&settings, RATES).unwrap().preload,
+            Some(Fixed::signal(-10_000.0))
+        );
     }
 
     #[test]

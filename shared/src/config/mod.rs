@@ -27,7 +27,7 @@ pub mod envelope;
 pub mod error;
 pub mod settings;
 
-pub use axis::{AxisConfig, UNLIMITED};
+pub use axis::{AxisConfig, BrakeTicks, UNLIMITED};
 pub use envelope::AxisEnvelope;
 pub use error::ConfigError;
-pub use settings::{AxisSettings, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
+pub use settings::{AxisSettings, Brake, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};

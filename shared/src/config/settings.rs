@@ -107,6 +107,21 @@ impl ScaleLimits {
     pub const DEFAULT: Self = Self { disagreement_m: 0.5e-3, frozen_m: 0.4e-3 };
 }
 
+/// The times of a holding brake, which is released by an output of the board.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Brake {
+    /// Time from the output until the brake is open, s, 0 to [`Brake::LONGEST_S`]. The axis is held by its drive meanwhile, and moves
+    /// afterwards only.
+    pub release_s: f64,
+    /// Time from the output until the brake holds the axis, s, 0 to [`Brake::LONGEST_S`]. The drive stays on for it.
+    pub engage_s: f64,
+}
+
+impl Brake {
+    /// Longest time of a brake: 2 s.
+    pub const LONGEST_S: f64 = 2.0;
+}
+
 /// A notch filter of the force.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Notch {
@@ -167,6 +182,11 @@ pub struct AxisSettings {
     pub travel_m: Option<[f64; 2]>,
     /// Deceleration of a stop along the path; a path uses the least of its axes.
     pub stop_deceleration_m_per_s2: f64,
+    /// Holding brake; `None`: the axis has none, or none that the board operates.
+    pub brake: Option<Brake>,
+    /// Force with which the drive comes on, N, signed as the force of the controller, at most
+    /// [`force_limit_n`](AxisSettings::force_limit_n): the weight of a vertical axis. `None`: not known; the force starts from zero.
+    pub preload_n: Option<f64>,
 }
 
 impl Default for AxisSettings {
@@ -191,6 +211,8 @@ impl Default for AxisSettings {
             saturation_time_s: 1.0,
             travel_m: None,
             stop_deceleration_m_per_s2: 2.0,
+            brake: None,
+            preload_n: None,
         }
     }
 }

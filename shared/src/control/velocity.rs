@@ -87,6 +87,11 @@ impl<S: Scalar> State<S> {
         self.last_increment
     }
 
+    /// Sets the integral to a force, N. Without an integral part it stays as a constant.
+    pub fn preload(&mut self, force: S) {
+        self.integral = force.widen();
+    }
+
     /// Sets the integral to zero, for a loop without an integral part.
     pub fn reset_integral(&mut self) {
         self.integral = S::Sum::default();

@@ -29,6 +29,10 @@ pub trait Board<const N: usize, Signal = Duty> {
     /// ([`Power::is_on`](crate::safety::Power::is_on)).
     fn set_enabled(&mut self, enabled: bool);
 
+    /// Opens or closes the holding brakes of all axes that have one. Called behind [`Board::set_enabled`] in each tick; without supply,
+    /// and with a broken wire, a brake has to be closed. A board without an output for brakes keeps the default.
+    fn set_brakes_open(&mut self, _open: bool) {}
+
     /// Sets the status light ([`StatusLight`](super::status_light::StatusLight)).
     fn set_light(&mut self, lit: bool);
 

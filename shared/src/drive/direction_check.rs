@@ -69,6 +69,8 @@ pub enum DirectionCheckError {
     NotReady,
     /// A drive with step and direction inputs has no force to check.
     StepDrive,
+    /// The axis has a brake: with open loops it would fall.
+    Brake,
     /// The setting with this name is out of its range.
     Setting(&'static str),
 }

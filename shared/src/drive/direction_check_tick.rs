@@ -16,7 +16,7 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
     ///
     /// # Errors
     /// [`DirectionCheckError::NotReady`] unless the drives are off without a fault and neither check nor homing runs,
-    /// [`DirectionCheckError::StepDrive`], [`DirectionCheckError::Setting`]. Nothing is changed then.
+    /// [`DirectionCheckError::StepDrive`], [`DirectionCheckError::Brake`], [`DirectionCheckError::Setting`]. Nothing is changed then.
     pub fn check_direction(
         &mut self,
         axis: usize,
@@ -29,6 +29,9 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
         }
         if !self.follows_force(axis) {
             return Err(DirectionCheckError::StepDrive);
+        }
+        if self.machine().has_brake(axis) {
+            return Err(DirectionCheckError::Brake);
         }
         let limit_n = self.machine().force_limit_n(axis).unwrap_or(0.0);
         if !(settings.force_n > 0.0 && settings.force_n <= limit_n) {

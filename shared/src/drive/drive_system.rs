@@ -272,6 +272,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
         board.set_signals(signals);
         self.stages_enabled = forces.is_some();
         board.set_enabled(self.stages_enabled);
+        board.set_brakes_open(self.machine.are_brakes_open());
     }
 }
 

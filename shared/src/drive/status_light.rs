@@ -29,8 +29,10 @@ impl StatusLight {
             self.ticks = 0;
         }
         match power {
-            Power::Faulted(_) | Power::Stopping(_) => true,
-            Power::On | Power::Off => warning.is_some() && self.ticks < self.half_period_ticks,
+            Power::Faulted(_) | Power::Stopping(_) | Power::Disabling(Some(_)) => true,
+            Power::On | Power::Off | Power::Enabling | Power::Disabling(None) => {
+                warning.is_some() && self.ticks < self.half_period_ticks
+            }
         }
     }
 }

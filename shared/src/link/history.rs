@@ -46,8 +46,8 @@ impl FaultHistory {
     #[inline]
     pub fn update(&mut self, tick: u64, power: Power, warning: Option<Fault>) {
         let fault = match power {
-            Power::Stopping(fault) | Power::Faulted(fault) => Some(fault),
-            Power::Off | Power::On => None,
+            Power::Stopping(fault) | Power::Faulted(fault) | Power::Disabling(Some(fault)) => Some(fault),
+            Power::Off | Power::On | Power::Enabling | Power::Disabling(None) => None,
         };
         if fault != self.fault {
             self.fault = fault;

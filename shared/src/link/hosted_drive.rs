@@ -136,9 +136,11 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
             Some(Silence::Hold) => self.end_excitation(),
             // Nothing is interrupted that somebody would have to acknowledge.
             Some(Silence::Off) if self.can_start().is_ok() => {
-                self.machine_mut().disable();
+                self.machine_mut().disable_in_order();
                 self.history.switched_off(self.tick);
             }
+            // The drives go off by themselves.
+            Some(Silence::Off) if matches!(self.machine().power(), Power::Disabling(_)) => {}
             Some(Silence::Off) => {
                 self.machine_mut().fault(Fault::HostSilent);
             }
@@ -195,11 +197,14 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
     /// Enables the drives with the next tick; no effect if they are on.
     ///
     /// # Errors
-    /// [`Refusal::Faulted`], [`Refusal::NotArmed`].
+    /// [`Refusal::Faulted`], [`Refusal::NotArmed`], [`Refusal::BrakesMove`].
     pub fn enable(&mut self) -> Result<(), Refusal> {
         match self.machine().power() {
-            Power::On => Ok(()),
-            Power::Stopping(fault) | Power::Faulted(fault) => Err(Refusal::Faulted(fault)),
+            Power::On | Power::Enabling => Ok(()),
+            Power::Stopping(fault) | Power::Faulted(fault) | Power::Disabling(Some(fault)) => {
+                Err(Refusal::Faulted(fault))
+            }
+            Power::Disabling(None) => Err(Refusal::BrakesMove),
             Power::Off => self.system.enable_by_host().map_err(|_| Refusal::NotArmed),
         }
     }
@@ -219,12 +224,15 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
     /// Whether a motion or a jog could start.
     ///
     /// # Errors
-    /// [`Refusal::DrivesOff`], [`Refusal::Faulted`], [`Refusal::Moving`].
+    /// [`Refusal::DrivesOff`], [`Refusal::Faulted`], [`Refusal::BrakesMove`], [`Refusal::Moving`].
     pub fn can_start(&self) -> Result<(), Refusal> {
         match self.machine().power() {
             Power::On => {}
             Power::Off => return Err(Refusal::DrivesOff),
-            Power::Stopping(fault) | Power::Faulted(fault) => return Err(Refusal::Faulted(fault)),
+            Power::Enabling | Power::Disabling(None) => return Err(Refusal::BrakesMove),
+            Power::Stopping(fault) | Power::Faulted(fault) | Power::Disabling(Some(fault)) => {
+                return Err(Refusal::Faulted(fault));
+            }
         }
         self.is_at_rest()
     }

@@ -116,6 +116,8 @@ pub enum Refusal {
     NothingMoves,
     /// The force for a frequency response is not one.
     Excitation(ExcitationProblem),
+    /// Brakes open or close, and the drives hold the axes: the request can be repeated.
+    BrakesMove,
 }
 
 /// Why the direction of an axis cannot be checked.
@@ -129,6 +131,8 @@ pub enum DirectionProblem {
     Force,
     /// The time or the distance is outside its range.
     Setting,
+    /// The axis has a brake: with open loops it would fall.
+    Brake,
 }
 
 /// What is wrong with an upload.
@@ -216,6 +220,7 @@ impl From<DirectionCheckError> for Refusal {
         Self::Direction(match error {
             DirectionCheckError::NotReady => DirectionProblem::NotReady,
             DirectionCheckError::StepDrive => DirectionProblem::StepDrive,
+            DirectionCheckError::Brake => DirectionProblem::Brake,
             DirectionCheckError::Setting("force_n") => DirectionProblem::Force,
             DirectionCheckError::Setting(_) => DirectionProblem::Setting,
         })

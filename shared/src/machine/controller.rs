@@ -211,6 +211,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
             return Err(PathError::NotConfigured);
         }
         let off = self.state.was_on && !self.state.power.is_on();
+        let off = off || matches!(self.state.power, Power::Disabling(_));
         if off || self.state.path.is_braking() {
             return Err(PathError::Interrupted);
         }
@@ -288,11 +289,36 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         self.state.enable_requested = true;
     }
 
-    /// Disables the drives, or acknowledges a fault. The path is discarded.
+    /// Disables the drives at once, or acknowledges a fault. The path is discarded.
     pub fn disable(&mut self) {
         self.state.enable_requested = false;
         self.state.warning = None;
         self.state.power = self.state.power.after(Event::Disable);
+    }
+
+    /// Disables the drives in order, or acknowledges a fault. With a brake on an axis, the path decelerates, then the brakes close while
+    /// the drives hold the axes. Without one it is a [disable](Machine::disable).
+    pub fn disable_in_order(&mut self) {
+        let braked = self.config.as_ref().filter(|config| config.brake_times().is_some());
+        let Some(config) = braked.filter(|_| self.state.power.is_on()) else { return self.disable() };
+        self.state.enable_requested = false;
+        self.state.power = self.state.power.after(Event::DisableWithBrakes);
+        if !self.state.path.is_done() {
+            self.state.path.brake(config.stop_deceleration());
+        }
+    }
+
+    /// Whether the brakes are to be open. They are closed while the drives are off.
+    #[must_use]
+    pub const fn are_brakes_open(&self) -> bool {
+        self.state.power.is_on() && self.state.brakes.are_open()
+    }
+
+    /// Whether an axis has a brake.
+    #[must_use]
+    pub fn has_brake(&self, axis: usize) -> bool {
+        let config = self.config.as_ref().and_then(|config| config.axes.get(axis));
+        config.is_some_and(|config| config.brake.is_some())
     }
 
     /// Reports, after the configuration, a fault that ended the previous run. It has to be acknowledged before an enable.

@@ -3,6 +3,7 @@
 //! [`MachineConfig`] holds the constants in machine units, the private `state` what changes from tick to tick and the
 //! tick itself; [`Machine`] owns both and is what a caller uses.
 
+mod brakes;
 mod config;
 mod controller;
 mod error;

@@ -1,5 +1,6 @@
 //! The state of a machine, and the tick.
 
+use super::brakes::Brakes;
 use super::config::MachineConfig;
 use super::output::Output;
 use crate::axis::AxisState;
@@ -27,6 +28,7 @@ pub(super) struct State<S: Scalar, const N: usize> {
     pub enable_requested: bool,
     /// Whether the drives were on in the previous tick.
     pub was_on: bool,
+    pub brakes: Brakes,
     /// Forces that are added behind the velocity controllers.
     pub excitation: [S; N],
     pub axes: [AxisState<S>; N],
@@ -45,6 +47,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
         warning: None,
         enable_requested: false,
         was_on: false,
+        brakes: Brakes::CLOSED,
         excitation: [S::ZERO; N],
     };
 
@@ -57,7 +60,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
         self.until_position_tick = 0;
         self.power = Power::Off;
         self.warning = None;
-        (self.enable_requested, self.was_on) = (false, false);
+        (self.enable_requested, self.was_on, self.brakes) = (false, false, Brakes::CLOSED);
         self.excitation = [S::ZERO; N];
     }
 
@@ -134,8 +137,11 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         let mut corrected = *readings;
         state.compensation.correct(&mut corrected);
         let readings = &corrected;
-        if !state.power.is_on() {
-            self.tick_disabled(state, readings);
+        if !matches!(state.power, Power::On) {
+            self.tick_brakes(state);
+            if !state.power.is_on() {
+                self.tick_disabled(state, readings);
+            }
         }
         state.enable_requested = false;
         let mut forces = [S::ZERO; N];
@@ -145,6 +151,9 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
                 state.until_position_tick = self.rates.position_loop_divider;
             }
             state.until_position_tick -= 1;
+            if !state.was_on {
+                self.preload(state, readings);
+            }
             forces = self.velocity_tick(state, readings);
             if !state.power.is_on() {
                 forces = [S::ZERO; N];
@@ -153,6 +162,37 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         }
         state.was_on = state.power.is_on();
         state.output(forces)
+    }
+
+    /// The brakes of a machine that is not simply on. They are closed while it is off.
+    #[cold]
+    #[inline(never)]
+    fn tick_brakes(&self, state: &mut State<S, N>) {
+        let at_rest = state.path.is_done() && !state.path.is_braking();
+        if let Some(times) = self.brake_times()
+            && let Some(event) = state.brakes.tick(state.power, times, at_rest)
+        {
+            state.power = state.power.after(event);
+            if state.power == Power::Off {
+                state.warning = None;
+            }
+        }
+        if !state.power.is_on() {
+            state.brakes = Brakes::CLOSED;
+        }
+    }
+
+    /// The first tick after an enable: the force begins with the preload. That of the compensations, which does not rise from zero then,
+    /// is part of it, and the integrals make up the rest.
+    #[cold]
+    #[inline(never)]
+    fn preload(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
+        let State { axes, compensation, .. } = state;
+        for (index, ((axis, config), reading)) in axes.iter_mut().zip(&self.axes).zip(readings).enumerate() {
+            if let Some(preload) = config.preload {
+                axis.preload(preload - compensation.settle_force(index, reading));
+            }
+        }
     }
 
     /// The tick of a machine that is off, before the loops: the commands follow the axes; an enable that is requested is done.
@@ -186,7 +226,8 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
                 .corrected(correction.total.distance());
         }
         state.until_position_tick = 0;
-        state.power = state.power.after(Event::Enable);
+        let has_brakes = self.brake_times().is_some();
+        state.power = state.power.after(if has_brakes { Event::EnableWithBrakes } else { Event::Enable });
     }
 
     /// The first axis whose loop uses a scale that has no reading.
@@ -222,7 +263,9 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
 
     /// The next command, its corrections, and the position loops.
     fn position_tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
-        let commands = state.path.advance();
+        // A path that waits does so until the brakes are open.
+        let commands =
+            if matches!(state.power, Power::Enabling) { state.path.command() } else { state.path.advance() };
         let is_at_segment_end = state.path.take_segment_end();
         state.compensation.advance(&commands, is_at_segment_end);
         let mut faults = [FaultSet::NONE; N];
@@ -234,10 +277,23 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         }
         state.raise(self, faults);
         if state.path.has_stopped() {
-            state.power = state.power.after(Event::Stopped);
-            if state.power == Power::On {
-                state.path.rest_at(&state.path.command());
-            }
+            self.stopped(state);
+        }
+    }
+
+    /// The path has stopped: the drives go off if it was by a fault, with brakes after these have closed.
+    #[cold]
+    #[inline(never)]
+    fn stopped(&self, state: &mut State<S, N>) {
+        let has_brakes = self.brake_times().is_some();
+        let event = if has_brakes && matches!(state.power, Power::Stopping(_)) {
+            Event::DisableWithBrakes
+        } else {
+            Event::Stopped
+        };
+        state.power = state.power.after(event);
+        if matches!(state.power, Power::On | Power::Disabling(_)) {
+            state.path.rest_at(&state.path.command());
         }
     }
 

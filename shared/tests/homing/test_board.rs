@@ -48,6 +48,8 @@ const fn default_settings() -> AxisSettings {
         saturation_time_s: 1.0,
         travel_m: None,
         stop_deceleration_m_per_s2: 1.0,
+        brake: None,
+        preload_n: None,
     }
 }
 

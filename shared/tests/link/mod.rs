@@ -1,6 +1,7 @@
 //! The link of a servo board: a server with drives on a simulated plant, and a host that may be slow, silent, wrong or
 //! malicious.
 
+mod brakes;
 mod direction;
 mod envelope;
 mod excitation;

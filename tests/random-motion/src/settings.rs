@@ -5,7 +5,7 @@ use shared::compensate::settings::{
     Cycle, ForceModel, Pitch, PitchSource, Points, Reversal, Straightness, Stribeck, TableFriction, Talk,
     TimePoints,
 };
-use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
+use shared::config::{AxisSettings, Brake, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
 use shared::interpolate::{Block, Ramps, Smoothing};
 
 use super::draws::Draws;
@@ -53,6 +53,10 @@ pub fn axis(draws: &mut Draws, gain_error: f64) -> AxisSettings {
         saturation_time_s: draws.between(2e-3, 0.02),
         travel_m: draws.maybe(|draws| [-draws.between(2e-3, 0.02), draws.between(2e-3, 0.02)]),
         stop_deceleration_m_per_s2: draws.between(1.0, 5.0),
+        brake: draws
+            .one_in(4)
+            .then(|| Brake { release_s: draws.between(0.0, 2e-3), engage_s: draws.between(0.0, 2e-3) }),
+        preload_n: draws.maybe(|draws| draws.between(-50.0, 50.0)),
     }
 }
 

@@ -31,7 +31,7 @@ const TIM1: [(&str, u32, u32); 9] = [
 ];
 
 /// Bits that must be set by a write to a register of a port or of RCC.
-const BITS: [(&str, &str, u32, u32); 34] = [
+const BITS: [(&str, &str, u32, u32); 35] = [
     // 7.3.21: the flags of the cause of the reset are cleared.
     ("RCC", "CSR: RMVF", 0x74, 1 << 24),
     // 7.3.12 and 7.3.7: the clock of OTG_FS, and its reset.
@@ -68,6 +68,7 @@ const BITS: [(&str, &str, u32, u32); 34] = [
     ("GPIOC", "PC7: TIM8 (AF3)", 0x20, 3 << 28),
     ("GPIOC", "PC10: output", 0x00, 0b01 << 20),
     ("GPIOC", "PC11: output", 0x00, 0b01 << 22),
+    ("GPIOD", "PD2: output", 0x00, 0b01 << 4),
 ];
 
 /// Contacts on port B with pull-downs, so that a broken wire is active: limit switches, drive faults. On port A, where a broken wire is
@@ -198,12 +199,14 @@ fn the_power_stages_are_off_before_anything_can_switch_them_on() {
     assert_eq!(chip.run(1), Ok(End::Ticked), "{}", chip.diagnostics());
     let accesses = chip.log.accesses();
     let at = |device, offset| position(&accesses, device, offset);
-    // PB14 is low before the wait for the crystal, after which the clock of TIM1 is enabled.
+    // PB14, and PD2 of the brakes, are low before the wait for the crystal, after which the clock of TIM1 is enabled.
     let tim1_clock = accesses.iter().position(|access| {
         (access.device.as_str(), access.offset) == ("RCC", 0x44)
             && access.written.is_some_and(|bits| bits & 1 == 1)
     });
-    assert!(at("GPIOB", 0x18) < at("GPIOB", 0x00) && at("GPIOB", 0x00) < tim1_clock.unwrap());
+    for port in ["GPIOB", "GPIOD"] {
+        assert!(at(port, 0x18) < at(port, 0x00) && at(port, 0x00) < tim1_clock.unwrap(), "{port}");
+    }
     // TIM1: no pulse, and the break is set up, before the counter is enabled.
     for before in [0x18, 0x34, 0x38, 0x44] {
         assert!(at("timer[1]", before) < at("timer[1]", 0x00), "{before:#x} after CR1");

@@ -89,6 +89,15 @@ macro_rules! axis_keys {
                 /// 0.4 mm with a scale in the loop, otherwise not monitored.
                 frozen_encoder_limit_mm: Option<f64> [Positive],
             }
+            /// What holds an axis that moves without its drive.
+            holding: Holding {
+                /// Force with which the drive comes on, signed: the weight of a vertical axis. Absent: not known; it starts from zero.
+                preload_n: Option<f64>,
+                /// Time from the output of the board until the brake is open; absent: no brake.
+                brake_release_s: Option<f64> [UpTo(Brake::LONGEST_S)],
+                /// Time from the output of the board until the brake holds the axis.
+                brake_engage_s: Option<f64> [UpTo(Brake::LONGEST_S)],
+            }
             /// Masses, drive train and friction.
             mechanics: Mechanics {
                 /// Motor and screw, reflected to the table.

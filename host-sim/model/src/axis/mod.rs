@@ -13,6 +13,7 @@ pub use tolerated::{TOLERATED, Tolerances, Tolerated, is_mass};
 
 use files::log::Unit;
 use serde::{Deserialize, Serialize};
+use shared::config::Brake;
 use shared::units::TRAVEL_LIMIT_M;
 
 use crate::friction_curve::Curve;

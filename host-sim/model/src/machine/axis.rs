@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::evidence::Evidence;
 use super::nominal::{LogOffsets, Nominal};
 use crate::axis::{
-    Controller, Drive, Feedback, Field, Filters, KeyNames, Law, Limits, Mechanics, Pid, Sensors, Settings,
-    TOLERATED, Tolerances, axis_keys,
+    Controller, Drive, Feedback, Field, Filters, Holding, KeyNames, Law, Limits, Mechanics, Pid, Sensors,
+    Settings, TOLERATED, Tolerances, axis_keys,
 };
 use crate::effects::Effect;
 use crate::friction_curve::Curve;
@@ -18,7 +18,7 @@ use crate::servo::VelocityDrive;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "AxisTable", into = "AxisTable")]
 pub struct Axis {
-    /// Controller, filters, limits, mechanics, sensors.
+    /// Controller, filters, limits, brake and preload, mechanics, sensors.
     pub settings: Settings,
     /// Values and effects before a trace fitted them; absent: not fitted.
     pub nominal: Option<Nominal>,

@@ -42,6 +42,7 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
         context.controller()?;
         context.smoothing(machine.sample_rate_hz)?;
         context.filters(machine.velocity_rate_hz())?;
+        context.holding()?;
         context.travel()?;
         context.mechanics()?;
         context.tolerances()?;
@@ -128,7 +129,7 @@ struct Context<'a> {
     document: &'a Document<'a>,
 }
 
-/// Keys of the velocity loop and of the force that it outputs.
+/// Keys of the velocity loop, of the force that it outputs, and of the brake that waits for this force.
 const OF_VELOCITY_LOOP: &[&str] = &[
     "velocity_gain_n_s_per_m",
     "velocity_integral_time_s",
@@ -138,6 +139,9 @@ const OF_VELOCITY_LOOP: &[&str] = &[
     "notch_depth",
     "low_pass_frequency_hz",
     "low_pass_damping_ratio",
+    "preload_n",
+    "brake_release_s",
+    "brake_engage_s",
 ];
 
 /// Keys of the position loop.

@@ -37,6 +37,7 @@ const KEYS: &[RotaryKey] = &[
     key("lead_deg", "lead_mm", None),
     key("velocity_gain_nm_s_per_rad", "velocity_gain_n_s_per_m", Some(RADIANS_PER_KDEG)),
     key("torque_limit_nm", "force_limit_n", None),
+    key("preload_nm", "preload_n", None),
     key("pid_bias_deg_per_s", "pid_bias_mm_per_s", None),
     key("pid_deadband_mdeg", "pid_deadband_um", None),
     key("pid_max_error_deg", "pid_max_error_mm", None),

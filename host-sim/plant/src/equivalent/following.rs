@@ -1,6 +1,6 @@
 //! Axes that follow their commands exactly, in the place of stepper motors and of axes of which nothing is known.
 
-use model::axis::{Drive, Feedback, Filters, Law, Mechanics, Pid, Settings};
+use model::axis::{Drive, Feedback, Filters, Law, Mechanics, Settings};
 use model::effects::{Channel, Effect, Latency};
 use model::machine::{Axis, Machine};
 use model::servo::ServoParameters;
@@ -46,8 +46,7 @@ pub(super) fn follows(axis: &Axis) -> bool {
 /// none. Beside other axes, it must not be late: with the whole feed-forward the motor is ahead by T/gain times the acceleration, 1 µm per
 /// m/s² at 1 kHz.
 pub(super) fn axis(axis: &Axis, pace: Pace) -> Axis {
-    let Settings { names, mut controller, filters, limits, mechanics, sensors, pid: _ } =
-        axis.settings.clone();
+    let Settings { names, mut controller, filters, limits, mechanics, sensors, .. } = axis.settings.clone();
     controller.drive = Drive::Torque;
     controller.law = Some(Law::P);
     controller.position_gain_per_s = Some(pace.position_gain_per_s);
@@ -71,7 +70,7 @@ pub(super) fn axis(axis: &Axis, pace: Pace) -> Axis {
         let ms = 1e3 / pace.position_gain_per_s;
         effect.push(Effect::Latency(Latency { channel: Channel::Command, ms }));
     }
-    let settings = Settings { names, controller, pid: Pid::default(), filters, limits, mechanics, sensors };
+    let settings = Settings { names, controller, filters, limits, mechanics, sensors, ..Settings::default() };
     Axis {
         settings,
         effect,

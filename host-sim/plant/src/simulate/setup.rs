@@ -49,7 +49,9 @@ pub fn controller_setup(
         if let Some(effect) = parameters.servo.not_in_controller() {
             return Err(SimulationError::NotSimulated { axis: name.clone(), effect });
         }
-        settings.push(servo::settings(&axis.settings, &parameters.servo).map_err(lacks)?);
+        let axis = servo::settings(&axis.settings, &parameters.servo).map_err(lacks)?;
+        // The simulated machine has no brake that a motion had to wait for.
+        settings.push(AxisSettings { brake: None, ..axis });
     }
     let start = start_m.iter().map(|&m| Position::from_m(m).unwrap_or_default()).collect();
     Ok((settings, start))

@@ -33,6 +33,14 @@ pub enum Action {
     AddCogging,
     /// The x motor has no cogging.
     RemoveCogging,
+    /// y is vertical, has a brake, and carries its weight of 147 N.
+    StandUp,
+    /// y is horizontal.
+    LayDown,
+    /// Put 3 kg on the table of y.
+    AddLoad,
+    /// Take the 3 kg from the table of y.
+    RemoveLoad,
     /// End the emulator, as a board without supply: what was saved is kept in its flash.
     End,
     /// End the emulator and erase its flash: the next start is that of a new board.
@@ -64,6 +72,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Action::RestoreScale => (b'g', "The scale of x has its signal."),
         Action::AddCogging => (b'w', "The x motor has cogging."),
         Action::RemoveCogging => (b'n', "The x motor has no cogging."),
+        Action::StandUp => (b'v', "y is vertical, with its brake."),
+        Action::LayDown => (b'h', "y is horizontal."),
+        Action::AddLoad => (b'a', "The table of y carries 3 kg more."),
+        Action::RemoveLoad => (b'd', "The table of y carries nothing more."),
         Action::End => (END, "The emulator has ended."),
         Action::EraseFlash => (END, "The emulator has ended, and its flash is erased."),
     };

@@ -53,9 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let settings = settings(arguments)?;
     let mut client = arguments.axis.port.connect()?;
     stop::write_partial_result();
-    client
-        .command(&Request::CheckDirection { axis, settings })
-        .map_err(|error| refused(error, arguments.force_n))?;
+    client.command(&Request::CheckDirection { axis, settings }).map_err(|error| refused(error, arguments))?;
     if arguments.no_wait {
         let off_s = f64::from(client.welcome().times.off_ms) / 1e3;
         return print(&format!(
@@ -86,9 +84,13 @@ fn settings(arguments: &Arguments) -> Result<DirectionCheckSettings, InputError>
     Ok(settings)
 }
 
-/// Only the board knows the force limit of the axis.
-fn refused(error: BoardError, force_n: f64) -> anyhow::Error {
+/// Only the board knows the force limit of the axis, and whether it has a brake.
+fn refused(error: BoardError, Arguments { axis, force_n, .. }: &Arguments) -> anyhow::Error {
     match error {
+        BoardError::Refused(Refusal::Direction(DirectionProblem::Brake)) => {
+            let expected = "an axis without a brake (with open loops it would fall)";
+            InputError::expected("--axis", expected, &axis.axis).into()
+        }
         BoardError::Refused(Refusal::Direction(DirectionProblem::Force)) => {
             InputError::expected("--force-n", FORCES, format!("{force_n:?}")).into()
         }

@@ -10,6 +10,7 @@ pub mod jog;
 pub mod monitor;
 pub mod port;
 pub mod ports;
+mod preload;
 pub mod record;
 pub mod response;
 pub mod simple;

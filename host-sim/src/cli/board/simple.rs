@@ -36,12 +36,20 @@ pub fn enable(arguments: &Arguments) -> Result<()> {
     ))
 }
 
-/// Disables the drives, also while another program holds the port.
+/// Disables the drives, also while another program holds the port, and waits until brakes have closed.
 ///
 /// # Errors
 /// A board that cannot be reached.
 pub fn disable(arguments: &Arguments) -> Result<()> {
-    arguments.port.observe()?.halt(Halt::Disable)?;
+    let mut observer = arguments.port.observe()?;
+    observer.halt(Halt::Disable)?;
+    while let Some(status) = seen(&mut observer)? {
+        match status.power {
+            Power::Disabling(None) => sleep(POLL),
+            Power::Disabling(Some(_)) | Power::Faulted(_) => return Err(stopped(&status).into()),
+            Power::Off | Power::On | Power::Enabling | Power::Stopping(_) => break,
+        }
+    }
     print("The drives are off.")
 }
 
@@ -54,8 +62,10 @@ pub fn clear(arguments: &Arguments) -> Result<()> {
     let power = client.status()?.power;
     client.command(&Request::Clear)?;
     print(match power {
-        Power::Faulted(_) | Power::Stopping(_) => "The fault is acknowledged.",
-        Power::Off | Power::On => "There is no fault to acknowledge.",
+        Power::Faulted(_) | Power::Stopping(_) | Power::Disabling(Some(_)) => "The fault is acknowledged.",
+        Power::Off | Power::On | Power::Enabling | Power::Disabling(None) => {
+            "There is no fault to acknowledge."
+        }
     })
 }
 
@@ -89,8 +99,10 @@ pub fn stop(arguments: &Arguments) -> Result<()> {
         };
         match status.power {
             Power::On if !status.at_rest || status.activity != Activity::Idle => sleep(POLL),
-            Power::Stopping(_) | Power::Faulted(_) => return Err(stopped(&status).into()),
-            Power::On | Power::Off => break,
+            Power::Stopping(_) | Power::Faulted(_) | Power::Disabling(Some(_)) => {
+                return Err(stopped(&status).into());
+            }
+            Power::On | Power::Off | Power::Enabling | Power::Disabling(None) => break,
         }
     }
     print("The axes are at rest; the rest of the path is discarded.")

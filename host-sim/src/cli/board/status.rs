@@ -117,7 +117,11 @@ pub fn power(status: &Status) -> String {
         Power::Off if status.armed => "off; the enable switch permits an enable".to_owned(),
         Power::Off => "off; the enable switch has to be closed (if it is: opened and closed)".to_owned(),
         Power::On => "on".to_owned(),
-        Power::Stopping(fault) => format!("on, stopping: {}", refusal::fault(fault)),
+        Power::Enabling => "on; the axes are held until their brakes are open".to_owned(),
+        Power::Disabling(None) => "on; the axes are held until their brakes are closed".to_owned(),
+        Power::Stopping(fault) | Power::Disabling(Some(fault)) => {
+            format!("on, stopping: {}", refusal::fault(fault))
+        }
         Power::Faulted(fault) => format!("off by a fault: {}", refusal::fault(fault)),
     }
 }

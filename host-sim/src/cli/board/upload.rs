@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 
 use super::port::PortArguments;
+use super::preload;
 use crate::cli::compensation::check_margins;
 use crate::cli::outputs::print;
 use ::board::refusal::AXIS_NAMES;
@@ -50,7 +51,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         None => None,
     };
     let source = arguments.machine.display().to_string();
-    let settings = settings(&machine, &source)?;
+    let mut settings = settings(&machine, &source)?;
+    let file = compensation.as_ref().map(|(file, source)| (file, source.as_str()));
+    let preloads = preload::complete(&mut settings, &machine, &source, file);
     let mut client = arguments.port.connect()?;
     if arguments.save {
         client.begin_save()?;
@@ -65,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         client.command(&Request::Save)?;
         done += ", and has saved them: the axes have to be homed again";
     }
-    print(&format!("{done}."))
+    print(&[vec![format!("{done}.")], preloads].concat().join("\n"))
 }
 
 /// The settings of the board from a machine file.

@@ -25,12 +25,16 @@ impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
         self.machine_mut().discard_path();
     }
 
-    /// Disables the drives, and ends a direction check and an excitation. A fault remains until it is acknowledged.
+    /// Disables the drives in order, and ends a direction check and an excitation. A fault remains until it is acknowledged.
     pub fn disable(&mut self) {
         self.system.stop_direction_check();
         self.end_excitation();
         if !matches!(self.machine().power(), Power::Faulted(_)) {
-            self.machine_mut().disable();
+            self.machine_mut().disable_in_order();
+        }
+        if let Power::Disabling(_) = self.machine().power() {
+            // The path decelerates: no block follows.
+            (self.blocks_left, self.jog_remaining) = (0, None);
         }
     }
 

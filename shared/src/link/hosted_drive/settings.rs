@@ -33,7 +33,7 @@ impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
         match self.machine().power() {
             Power::Off => Ok(()),
             Power::Faulted(fault) => Err(Refusal::Faulted(fault)),
-            Power::On | Power::Stopping(_) => Err(Refusal::DrivesOn),
+            Power::On | Power::Stopping(_) | Power::Enabling | Power::Disabling(_) => Err(Refusal::DrivesOn),
         }
     }
 

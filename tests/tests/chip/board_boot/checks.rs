@@ -56,10 +56,11 @@ pub fn tick_rate_is_as_set_up(chip: &mut Chip, accesses: &[Access]) {
 
 /// Offset and bit of the clock enable of each device (RM0090, 7.3.10 to 7.3.14). Without its clock a device ignores
 /// writes.
-const CLOCK_OF: [(&str, u32, u32); 6] = [
+const CLOCK_OF: [(&str, u32, u32); 7] = [
     ("GPIOA", 0x30, 0),
     ("GPIOB", 0x30, 1),
     ("GPIOC", 0x30, 2),
+    ("GPIOD", 0x30, 3),
     ("timer[1]", 0x44, 0),
     ("timer[8]", 0x44, 1),
     ("DAC", 0x40, 29),
@@ -99,7 +100,7 @@ pub fn power_stages(accesses: &[Access]) -> [bool; 2] {
     [enable.unwrap() & 1 << 14 != 0, outputs.unwrap() & MOE != 0]
 }
 
-/// The enable switch reads as open: PB14 is low before it is an output, and stays low. There is no overrun: the fault light
+/// The enable switch reads as open: PB14, and PD2 of the brakes, are low before they are outputs, and stay low. There is no overrun: the fault light
 /// at PC13, active low, stays off. Each of the `ticks` that have ended sets the duties and feeds the watchdog.
 pub fn drives_stay_off_and_the_watchdog_is_fed(accesses: &[Access], ticks: usize) {
     let low_before = |device, bit: u32, mode: u32| {
@@ -114,6 +115,8 @@ pub fn drives_stay_off_and_the_watchdog_is_fed(accesses: &[Access], ticks: usize
     };
     assert!(low_before("GPIOB", 1 << (14 + 16), 1 << (2 * 14)), "PB14 is an output before it is low");
     assert!(written(accesses, "GPIOB", 0x18).all(|bits| bits & 1 << 14 == 0), "PB14 was set");
+    assert!(low_before("GPIOD", 1 << (2 + 16), 1 << (2 * 2)), "PD2 is an output before it is low");
+    assert!(written(accesses, "GPIOD", 0x18).all(|bits| bits & 1 << 2 == 0), "PD2 was set");
     assert!(written(accesses, "timer[1]", 0x44).all(|bits| bits & MOE == 0), "the PWM was on");
     assert!(
         written(accesses, "GPIOC", 0x18).all(|bits| bits & 1 << (13 + 16) == 0),

@@ -17,3 +17,4 @@ mod response;
 mod sensors;
 mod settings;
 mod silence;
+mod vertical;

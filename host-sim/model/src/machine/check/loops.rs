@@ -69,6 +69,25 @@ impl Context<'_> {
         }
     }
 
+    /// Brake and preload.
+    pub(super) fn holding(&self) -> Result<(), InputError> {
+        let holding = &self.settings.holding;
+        self.complete(&[
+            ("brake_release_s", holding.brake_release_s),
+            ("brake_engage_s", holding.brake_engage_s),
+        ])?;
+        match (holding.preload_n, self.settings.controller.force_limit_n) {
+            (Some(preload_n), Some(limit_n)) if preload_n.abs() > limit_n => {
+                Err(self
+                    .refuse("preload_n", &format!("a number from -{limit_n} to {limit_n}, the force limit")))
+            }
+            (Some(preload_n), _) if !preload_n.is_finite() => {
+                Err(self.refuse("preload_n", "a finite number"))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Requires all of these keys or none.
     fn complete(&self, keys: &[(&str, Option<f64>)]) -> Result<(), InputError> {
         let given = keys.iter().find(|(_, value)| value.is_some());

@@ -60,6 +60,24 @@ fn filters_and_limits_are_converted_to_the_units_of_the_controller() {
     close(none.saturation_time_s, default.saturation_time_s);
 }
 
+/// A brake has both times, or there is none; a preload of zero is not an unknown one.
+#[test]
+fn brake_and_preload_are_settings_of_the_controller() {
+    use shared::config::Brake;
+    let settings = |text: &str| {
+        let machine = Machine::parse(&with(text), "m.toml").unwrap();
+        assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
+        let axis = &machine.axis["y"];
+        crate::servo::settings(&axis.settings, &crate::servo::ServoParameters::of(&axis.effect)).unwrap()
+    };
+    let given = settings("preload_n = -147.0\nbrake_release_s = 0.06\nbrake_engage_s = 0\n");
+    assert_eq!(given.brake, Some(Brake { release_s: 0.06, engage_s: 0.0 }));
+    assert_eq!(given.preload_n, Some(-147.0));
+    assert_eq!(settings("preload_n = 0\n").preload_n, Some(0.0));
+    let none = settings("");
+    assert_eq!((none.brake, none.preload_n), (None, None));
+}
+
 /// A loop with a scale has limits of its readings, declared or not; a loop on the motor has those that are declared.
 #[test]
 fn a_loop_with_a_scale_has_limits_without_their_keys() {
@@ -123,6 +141,16 @@ const BAD_LOOPS: &[(&str, &str)] = &[
     (
         "low_pass_frequency_hz = 300\nlow_pass_damping_ratio = 11",
         "line 7: axis.y.low_pass_damping_ratio: expected a number from 0.05 to 10, found 11",
+    ),
+    ("brake_release_s = 0.1", "axis.y.brake_engage_s: expected a value beside brake_release_s, found none"),
+    ("brake_engage_s = 0.1", "axis.y.brake_release_s: expected a value beside brake_engage_s, found none"),
+    (
+        "brake_release_s = 2.5\nbrake_engage_s = 0.1",
+        "axis.y.brake_release_s: expected a number from 0 to 2, found 2.5",
+    ),
+    (
+        "preload_n = -20000.5",
+        "axis.y.preload_n: expected a number from -20000 to 20000, the force limit, found -20000.5",
     ),
     ("travel_mm = [1, 1]", "line 6: axis.y.travel_mm[1]: expected a number above the first, found 1"),
     (

@@ -9,7 +9,7 @@ use super::*;
 use crate::input::signals::Signals;
 use crate::options::TraceOptions;
 use files::log::{AxisLog, Log, Unit};
-use model::residual_law::WavePosition;
+use model::residual_law::{Term, WavePosition};
 use model::residual_table::TableVariable as V;
 use shared::config::Rates;
 
@@ -185,41 +185,34 @@ fn case(seed: u64, terms: usize) -> Case {
     Case { truths, found: law(&left(&fit, &of_fit), &left(&validate, &of_validation), Stage::Tool, NOISE_UM) }
 }
 
+/// Of residuals whose columns are exact, nearly every law is found: 59 of 60 with other seeds. The limit allows for one that is not in twelve.
 #[test]
-#[ignore = "measurement"]
-fn measure() {
-    let (mut right, mut wrong, mut within, mut all) = (0, 0, 0, 0);
-    for seed in 0..60 {
-        let started = std::time::Instant::now();
-        let case = case(seed, 1 + (seed % 3) as usize);
-        let found = case.found.as_ref().map(|law| law.terms.clone()).unwrap_or_default();
-        let alike = |a: &Term, b: &Term| library::is_same_form(a, b, |_| 140.0);
-        let is_right = case.truths.iter().all(|truth| found.iter().any(|f| alike(&f.term, &truth.term)))
-            && found.len() == case.truths.len();
-        let is_false = found.iter().any(|f| {
-            case.found.as_ref().is_some_and(|law| law.is_certain(f))
-                && !case.truths.iter().any(|t| alike(&f.term, &t.term))
-        });
-        let ratio = case.found.as_ref().map_or(f64::NAN, |law| law.after.validate / NOISE_UM);
-        all += 1;
+fn drawn_laws_are_found_and_no_other_terms() {
+    let alike = |a: &Term, b: &Term| library::is_same_form(a, b, |_| 140.0);
+    let mut right = 0;
+    for seed in 100..112u32 {
+        let Case { truths, found } = case(u64::from(seed), 1 + (seed % 3) as usize);
+        let found = found.unwrap_or_else(|| panic!("{seed}: no law for {truths:?}"));
+        let is_true = |term: &Term| truths.iter().any(|truth| alike(term, &truth.term));
+        let is_found = |truth: &Truth| found.terms.iter().any(|found| alike(&found.term, &truth.term));
+        let is_right = truths.iter().all(is_found) && found.terms.len() == truths.len();
         right += usize::from(is_right);
-        wrong += usize::from(is_false);
-        within += usize::from(ratio < 1.3);
-        println!("{seed} {is_right} {is_false} {ratio:.3} {:.1} s", started.elapsed().as_secs_f64());
-        if !is_right || is_false {
-            println!("   truth {:?}", case.truths);
-            for f in &found {
-                println!(
-                    "   found {:?} certain {} t {:.1} rivals {:?}",
-                    f.term,
-                    case.found.as_ref().is_some_and(|law| law.is_certain(f)),
-                    f.held_out_t,
-                    f.rivals
-                );
-            }
+        for term in &found.terms {
+            assert!(is_true(&term.term) || !found.is_certain(term), "{seed}: {term:?} of {truths:?}");
         }
+        // The rms of 24,000 samples scatters by 0.5 %; the fit of some columns lowers it by less.
+        let ratio = found.after.fit / NOISE_UM;
+        assert!(!is_right || (0.97..1.3).contains(&ratio), "{seed}: {ratio} {truths:?}");
     }
-    println!("right {right} false {wrong} within {within} of {all}");
+    assert!(right >= 11, "{right} of 12");
+}
+
+/// Noise alone follows no law.
+#[test]
+fn noise_has_no_law() {
+    for seed in 0..6 {
+        assert_eq!(case(seed, 0).found, None, "{seed}");
+    }
 }
 
 /// A standard normal deviate (Box and Muller).
