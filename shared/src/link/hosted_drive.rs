@@ -135,7 +135,7 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
             }
             Some(Silence::Hold) => self.end_excitation(),
             // Nothing is interrupted that somebody would have to acknowledge.
-            Some(Silence::Off) if self.can_start().is_ok() => {
+            Some(Silence::Off) if self.machine().power() == Power::On && self.is_at_rest().is_ok() => {
                 self.machine_mut().disable_in_order();
                 self.history.switched_off(self.tick);
             }
