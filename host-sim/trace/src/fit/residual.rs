@@ -104,7 +104,9 @@ impl FitData<'_> {
     fn subtract_law(&self, law: &ResidualLaw, log: usize, values: &mut [f64]) {
         let variables: Vec<TableVariable> = law.term.iter().flat_map(Term::variables).collect();
         let of_log = LogVariables::new(&self.logs[log], self.axis, law.stage(), &variables);
-        values.iter_mut().for_each(|value| *value -= law.constant);
+        for value in &mut *values {
+            *value -= law.constant;
+        }
         for term in law.term.iter().filter(|term| of_log.has(term)) {
             let coefficients = term.coefficients();
             for (coefficient, part) in coefficients.into_iter().zip(of_log.parts(term)) {
