@@ -9,9 +9,9 @@ use model::residual_table::{ResidualTable, TableChannel, TableVariable};
 /// The residuals of an axis that no effect describes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Residuals {
-    /// Those that are tables.
+    /// Tables.
     pub tables: Vec<ResidualTable>,
-    /// Those that are laws.
+    /// Laws.
     pub laws: Vec<ResidualLaw>,
 }
 
