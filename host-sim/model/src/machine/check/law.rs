@@ -9,13 +9,10 @@ use files::error::InputError;
 const MOST_FACTORS: usize = 4;
 
 impl Context<'_> {
-    /// Terms with finite coefficients, with lengths above zero, and another axis where a variable is one of it.
+    /// Terms with lengths above zero, and another axis where a variable is one of it.
     pub(super) fn law(&self, machine: &Machine) -> Result<(), InputError> {
         for (index, law) in self.axis.residual_law.iter().enumerate() {
             let key = format!("law[{index}]");
-            if !law.constant.is_finite() {
-                return Err(self.refuse(&format!("{key}.constant"), "a finite number"));
-            }
             for (number, term) in law.term.iter().enumerate() {
                 self.term(&format!("{key}.term[{number}]"), term, machine)?;
             }
@@ -33,12 +30,9 @@ impl Context<'_> {
             Term::Hysteresis { distance_mm, .. } => Some(("distance_mm", *distance_mm)),
         };
         if let Some((name, mm)) = length
-            && !(mm > 0.0 && mm.is_finite())
+            && mm <= 0.0
         {
             return Err(self.refuse(&format!("{key}.{name}"), "a length above 0"));
-        }
-        if term.coefficients().iter().any(|coefficient| !coefficient.is_finite()) {
-            return Err(self.refuse(key, "finite coefficients"));
         }
         if machine.axis.len() < 2 && term.variables().iter().any(|variable| variable.is_of_other_axis()) {
             return Err(self.refuse(key, "variables of this axis, as there is no other"));

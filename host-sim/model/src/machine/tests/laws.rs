@@ -28,11 +28,14 @@ fn a_law_is_read_and_written() {
 #[test]
 fn bad_laws_are_refused_with_key_and_expectation() {
     for (law, wanted) in [
-        (with_line("of = [\"position_mm\", \"other_speed\"]"), "axis.y.law[0].term[0]: expected one of position_mm, "),
+        (
+            with_line("of = [\"position_mm\", \"other_speed\"]"),
+            "axis.y.law[0].term[0]: expected one of position_mm, ",
+        ),
         (with_line("of = []"), "axis.y.law[0].term[0].of: expected 1 to 4 variables"),
         (
             with_line("of = [\"force_n\"]").replace("0.5", "nan"),
-            "axis.y.law[0].term[0]: expected finite coefficients",
+            "axis.y.law[0].term[0].coefficient: expected a finite number, found nan",
         ),
         (with_line("of = [\"force_n\"]\nperiod_mm = 3.0"), "period_mm"),
         (
