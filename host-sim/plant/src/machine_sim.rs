@@ -185,7 +185,9 @@ impl MachineSim {
     ) -> Vec<Measurement> {
         let position_m: Vec<f64> = self.axes.iter().map(|a| a.motion.table_m).collect();
         let acceleration: Vec<f64> = self.axes.iter().map(|axis| self.table_m_per_s2(axis)).collect();
-        let others: Vec<OtherAxis> = (self.axes.iter().zip(&acceleration))
+        let has_residuals = self.axes.iter().any(|axis| !axis.parameters.residuals.is_empty());
+        let motions = self.axes.iter().zip(&acceleration).filter(|_| has_residuals);
+        let others: Vec<OtherAxis> = motions
             .map(|(axis, &acceleration)| OtherAxis {
                 position_m: axis.motion.table_m,
                 velocity: axis.motion.table_m_per_s,

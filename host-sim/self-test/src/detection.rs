@@ -75,7 +75,7 @@ impl Stage {
 }
 
 /// Simulates the logs to fit without noise.
-fn noise_free(drawn: &Drawn, session: &[Motion]) -> Vec<Log> {
+pub(super) fn noise_free(drawn: &Drawn, session: &[Motion]) -> Vec<Log> {
     let axes = drawn.axes.clone().map(|axis| Axis { sensors: Sensors::ideal(), ..axis });
     let fit: Vec<Motion> = session.iter().filter(|motion| motion.name.starts_with("fit")).cloned().collect();
     run_session(&Drawn { axes, ..drawn.clone() }, &fit, |_| ChaCha8Rng::seed_from_u64(0))

@@ -3,16 +3,15 @@
 //!
 //! The size of a term is the rms of what it adds to the tool over the logs to fit, divided by the noise of the probe.
 
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::RngExt;
 use serde_json::{Value, json};
 
 use super::case::{Case, Purpose, run_session, stream};
+use super::detection::noise_free;
 use super::draw::{self, Drawn, Motion};
 use super::kind::Kind;
 use super::law::{Form, LawTerm};
-use super::machine::{AXES, Axis};
-use super::sensors::Sensors;
+use super::machine::AXES;
 use files::error::InputError;
 use files::log::Log;
 
@@ -69,13 +68,11 @@ impl LawCase {
 fn rms_m(term: LawTerm, axis: usize, bare: &Drawn, session: &[Motion]) -> f64 {
     // Small enough not to overflow the resolution of a log, large enough to be exact in it.
     const SCALE: f64 = 1e-6;
-    let fit: Vec<Motion> = session.iter().filter(|motion| motion.name.starts_with("fit")).cloned().collect();
     let tool = |law: Vec<LawTerm>| {
-        let mut axes = bare.axes.clone().map(|axis| Axis { sensors: Sensors::ideal(), ..axis });
-        axes[axis].law = law;
-        let logs = run_session(&Drawn { axes, ..bare.clone() }, &fit, |_| ChaCha8Rng::seed_from_u64(0));
-        let of_log = |log: Log| log.axes[axis].tool.clone().unwrap_or_default();
-        logs.into_iter().flat_map(of_log).collect::<Vec<f64>>()
+        let mut drawn = bare.clone();
+        drawn.axes[axis].law = law;
+        let of_log = |log: &Log| log.axes[axis].tool.clone().unwrap_or_default();
+        noise_free(&drawn, session).iter().flat_map(of_log).collect::<Vec<f64>>()
     };
     let scaled = LawTerm { factor: SCALE * term.factor, ..term };
     let (with, without) = (tool(vec![scaled]), tool(Vec::new()));

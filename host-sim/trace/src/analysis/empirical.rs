@@ -79,14 +79,8 @@ impl Empirical {
     /// The table for the model; `None` if the validation logs do not confirm it.
     #[must_use]
     pub fn confirmed(&self) -> Option<ResidualTable> {
-        let channel = match self.stage {
-            Stage::Motor => TableChannel::Motor,
-            Stage::Table => TableChannel::Table,
-            Stage::Tool => TableChannel::Tool,
-            Stage::Force => TableChannel::Force,
-        };
         let variable = self.variable.of_table().filter(|_| self.is_confirmed && self.table.len() > 1)?;
-        Some(ResidualTable::new(channel, variable, &self.table))
+        Some(ResidualTable::new(TableChannel::of(self.stage), variable, &self.table))
     }
 }
 

@@ -9,8 +9,7 @@ use crate::fit::least_squares::{STEPS, derivatives, fit};
 use crate::fit::scope::Scope;
 use model::effects::Stage;
 
-/// The law of what a model leaves of a stage, if it leaves more beside the exclusions than a model may leave in the stage of a certain
-/// effect. An exclusion may be an artefact of the law: where the law leaves less without it, it is found without it.
+/// The law of what a model leaves of a stage. An exclusion may be an artefact of the law: where the law leaves less without it, it is found without it.
 #[must_use]
 pub fn law_of(
     AxisData { fit, validate, .. }: &AxisData<'_>,
@@ -19,11 +18,6 @@ pub fn law_of(
     stage: Stage,
 ) -> Option<FoundLaw> {
     let noise = fit.noise(model, stage);
-    let beside = FitData { exclusions, ..*fit };
-    let least = fit.options.verdict.max_certain_ratio * noise.max(fit.options.verdict.min_noise);
-    if beside.rms(&beside.residuals(model, scope), stage) <= least {
-        return None;
-    }
     let is_excluded = exclusions.iter().any(|exclusion| exclusion.stage == stage);
     let variants: &[&[Exclusion]] = if is_excluded { &[exclusions, &[]] } else { &[&[]] };
     let found = variants.iter().filter_map(|exclusions| {

@@ -55,20 +55,25 @@ impl Remainder {
                     fit: fit_data.rms(fitted, stage),
                     validate: validate.rms(held_out, stage),
                 };
-                remainder.residuals.push(StageResidual {
+                let residual = StageResidual {
                     stage,
                     before: pair(&fit_before, &held_out_before),
                     after: pair(&fit_after, &held_out_after),
                     beside_exclusions: pair(fit_beside, held_out_beside),
                     noise,
                     max_described: fit_data.max_described(model, stage),
-                });
+                };
+                let verdict = &fit_data.options.verdict;
+                let is_left = residual.ratio_to_noise(verdict.min_noise) > verdict.max_certain_ratio;
+                remainder.residuals.push(residual);
                 remainder.repeats.extend(repeatability(fit_data, &fit_after, stage));
                 if let Some(found) = unexplained(fit_data, &fit_after, stage, noise) {
                     let residuals = [&fit_after[..], &held_out_after];
                     let table = empirical([fit_data, validate], residuals, stage, found.variable);
                     remainder.tables.extend(table);
-                    remainder.laws.extend(law_of(axis, (model, scope), exclusions, stage));
+                    if is_left {
+                        remainder.laws.extend(law_of(axis, (model, scope), exclusions, stage));
+                    }
                     remainder.unexplained.push(found);
                 }
             }

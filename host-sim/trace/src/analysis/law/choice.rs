@@ -1,6 +1,6 @@
 //! How many terms a law has, and which: the smallest number beyond which no further term lowers the residual significantly.
 
-use super::library::{self, is_same_form};
+use super::library::{self, POSITIONS, is_same_form};
 use super::samples::{Normal, Samples};
 use super::subsets::{Library, Subset};
 use super::waves::{maximum, strongest};
@@ -10,10 +10,7 @@ use model::residual_table::TableVariable;
 use numerics::min_max;
 
 /// Largest number of terms.
-pub const MOST_TERMS: usize = 3;
-
-/// Each position of which waves are in the library.
-const POSITIONS: [WavePosition; 2] = [WavePosition::PositionMm, WavePosition::OtherPositionMm];
+const MOST_TERMS: usize = 3;
 
 /// Range in which a distance or a period is refined, as factors.
 const REFINED: [f64; 2] = [0.6, 1.7];
@@ -72,12 +69,6 @@ impl Chosen {
         Some(Self { size, ..chosen })
     }
 
-    /// The best subset of the chosen size.
-    #[must_use]
-    pub fn best(&self) -> Option<&Subset> {
-        self.by_size[self.size].first()
-    }
-
     /// Whether the best law with this number of terms is significantly better than that with one term less: it earns the price of its
     /// values, and each of its terms differs from zero.
     fn is_needed(&self, size: usize, options: &SearchOptions) -> bool {
@@ -112,8 +103,7 @@ pub fn improvement_t(blocks: &[Normal], worse: &Subset, better: &Subset) -> f64 
 }
 
 /// A sum over blocks in units of its standard error.
-#[must_use]
-pub fn t_of_sum(gains: &[f64]) -> f64 {
+fn t_of_sum(gains: &[f64]) -> f64 {
     let n = gains.len() as f64;
     let mean = numerics::mean(gains.iter().copied());
     let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);

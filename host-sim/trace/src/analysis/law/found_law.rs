@@ -33,7 +33,7 @@ pub struct FoundTerm {
     pub term: Term,
     /// Half of the 95 % interval of each coefficient.
     pub half_widths: [f64; 2],
-    /// By how many standard errors the term lowers Σr² of the held-out logs.
+    /// By how many standard errors the term, fitted to the held-out logs alone, differs from zero.
     pub held_out_t: f64,
     /// Terms that describe the fitted logs as well in its place.
     pub rivals: Vec<Term>,

@@ -32,24 +32,23 @@ pub fn judged(chosen: &Chosen, held_out: &Samples<'_>, options: &SearchOptions) 
     let total = Normal::sum(chosen.blocks.iter())?;
     let left =
         |subset: &Subset| held_out.iter().map(|block| block.squares_with(&subset.coefficients)).sum::<f64>();
-    let smaller = (1..=chosen.size).rev().map(|size| Chosen { size, ..chosen.clone() });
-    let (chosen, best, held_out_t) = smaller.into_iter().find_map(|chosen| {
-        let best = chosen.best()?.clone();
-        let t = chosen.library.t_of_terms(&held_out, &best);
+    let (best, held_out_t) = (1..=chosen.size).rev().find_map(|size| {
+        let best = chosen.by_size[size].first()?;
+        let t = chosen.library.t_of_terms(&held_out, best);
         let is_better = |&term: &usize| {
             let others = best.terms.iter().copied().filter(|&other| other != term).collect();
             let without = chosen.library.fitted(&total, others, 1.0);
-            without.is_some_and(|without| left(&best) * price(options) < left(&without))
+            without.is_some_and(|without| left(best) * price(options) < left(&without))
         };
         let is_supported = t.iter().all(|t| *t >= options.min_t_of(held_out.len()));
-        (is_supported && best.terms.iter().all(is_better)).then_some((chosen, best, t))
+        (is_supported && best.terms.iter().all(is_better)).then_some((best, t))
     })?;
-    let alike = rivals(&chosen, &best, options);
-    let of_folds = of_folds(&chosen, options);
-    let half_widths = half_widths(&chosen.blocks, &best);
-    let with = chosen.library.with_coefficients(&best);
+    let alike = rivals(chosen, best, options);
+    let of_folds = of_folds(chosen, best.terms.len(), options);
+    let half_widths = half_widths(&chosen.blocks, best);
+    let with = chosen.library.with_coefficients(best);
     let mut column = chosen.library.always - 1;
-    let terms = with.into_iter().zip(held_out_t).map(|(term, held_out_t)| {
+    let terms = with.iter().cloned().zip(held_out_t).map(|(term, held_out_t)| {
         let mut half = [0.0; 2];
         for half in &mut half[..columns_of(&term)] {
             column += 1;
@@ -57,7 +56,7 @@ pub fn judged(chosen: &Chosen, held_out: &Samples<'_>, options: &SearchOptions) 
         }
         let has = |law: &[Term]| law.iter().any(|other| chosen.is_same_form(&term, other));
         FoundTerm {
-            rivals: replaced(&chosen, &term, &alike),
+            rivals: replaced(chosen, &term, (&with, &alike)),
             is_in_all_folds: of_folds.iter().all(|law| has(law)),
             half_widths: half,
             held_out_t,
@@ -91,17 +90,16 @@ fn rivals(chosen: &Chosen, best: &Subset, options: &SearchOptions) -> Vec<Vec<Te
             && (other.squares < price(options) * best.squares
                 || improvement_t(&chosen.blocks, other, best) < MAX_AMBIGUOUS_T)
     };
-    let alike = chosen.by_size[chosen.size].iter().filter(is_alike);
+    let alike = chosen.by_size[best.terms.len()].iter().filter(is_alike);
     alike.map(|subset| chosen.library.with_coefficients(subset)).collect()
 }
 
 /// The terms that replace a term in rival laws, each once.
-fn replaced(chosen: &Chosen, term: &Term, rivals: &[Vec<Term>]) -> Vec<Term> {
-    let best = chosen.best().map(|best| chosen.library.with_coefficients(best)).unwrap_or_default();
+fn replaced(chosen: &Chosen, term: &Term, (best, rivals): (&[Term], &[Vec<Term>])) -> Vec<Term> {
     let is_in = |law: &[Term], one: &Term| law.iter().any(|other| chosen.is_same_form(one, other));
     let mut all: Vec<Term> = Vec::new();
     for law in rivals.iter().filter(|law| !is_in(law, term)) {
-        for other in law.iter().filter(|other| !is_in(&best, other)) {
+        for other in law.iter().filter(|other| !is_in(best, other)) {
             if !is_in(&all, other) {
                 all.push(other.clone());
             }
@@ -111,11 +109,11 @@ fn replaced(chosen: &Chosen, term: &Term, rivals: &[Vec<Term>]) -> Vec<Term> {
 }
 
 /// The best law of the same size of the samples without each fold.
-fn of_folds(chosen: &Chosen, options: &SearchOptions) -> Vec<Vec<Term>> {
+fn of_folds(chosen: &Chosen, size: usize, options: &SearchOptions) -> Vec<Vec<Term>> {
     let law = |fold: usize| {
         let total = Normal::sum(chosen.blocks.iter().filter(|block| block.fold != fold))?;
-        let by_size = chosen.library.best(&total, chosen.size, price(options));
-        Some(chosen.library.with_coefficients(by_size[chosen.size].first()?))
+        let by_size = chosen.library.best(&total, size, price(options));
+        Some(chosen.library.with_coefficients(by_size[size].first()?))
     };
     (0..FOLDS).map(|fold| law(fold).unwrap_or_default()).collect()
 }

@@ -22,6 +22,9 @@ const VARIABLES: [V; 11] = [
     V::OtherDirection,
 ];
 
+/// Each position of which cubes and waves are in the library.
+pub const POSITIONS: [WavePosition; 2] = [WavePosition::PositionMm, WavePosition::OtherPositionMm];
+
 /// Distances of which a hysteresis is tried, mm; the best one is refined.
 const DISTANCES_MM: [f64; 9] = [0.03, 0.1, 0.3, 1.0, 2.5, 6.0, 15.0, 40.0, 100.0];
 
@@ -46,7 +49,7 @@ pub fn terms(variables: &[V]) -> Vec<Term> {
     for (i, &a) in variables.iter().enumerate() {
         all.extend(variables[i..].iter().filter(|&&b| !is_redundant(a, b)).map(|&b| product(vec![a, b])));
     }
-    let positions = [WavePosition::PositionMm, WavePosition::OtherPositionMm].map(WavePosition::variable);
+    let positions = POSITIONS.map(WavePosition::variable);
     all.extend(positions.into_iter().filter(|one| variables.contains(one)).map(|one| product(vec![one; 3])));
     if variables.contains(&V::PositionMm) {
         all.extend(DISTANCES_MM.map(|distance_mm| Term::Hysteresis { distance_mm, coefficient: 1.0 }));

@@ -144,14 +144,8 @@ pub fn independent(normal: &Normal) -> Vec<usize> {
 /// The coefficients of some columns that minimise Σ r²; `None` if one of the columns is a combination of the others.
 #[must_use]
 pub fn solved(normal: &Normal, columns: &[usize]) -> Option<Vec<f64>> {
-    let scale: Vec<f64> = columns.iter().map(|&i| normal.curvature[(i, i)].sqrt()).collect();
-    if scale.iter().any(|scale| !(*scale > 0.0 && scale.is_finite())) {
-        return None;
-    }
-    let n = columns.len();
-    let matrix =
-        DMatrix::from_fn(n, n, |i, j| normal.curvature[(columns[i], columns[j])] / (scale[i] * scale[j]));
-    let right = DVector::from_fn(n, |i, _| normal.gradient[columns[i]] / scale[i]);
+    let (scale, matrix) = scaled(normal, columns)?;
+    let right = DVector::from_fn(columns.len(), |i, _| normal.gradient[columns[i]] / scale[i]);
     let factor = matrix.cholesky()?;
     if factor.l_dirty().diagonal().iter().any(|pivot| pivot * pivot < MIN_INDEPENDENT) {
         return None;
@@ -160,12 +154,22 @@ pub fn solved(normal: &Normal, columns: &[usize]) -> Option<Vec<f64>> {
     Some(solution.iter().zip(&scale).map(|(value, scale)| value / scale).collect())
 }
 
+/// The lengths of some columns, and JᵀJ of the columns scaled to a length of 1; `None` if a column is zero.
+fn scaled(normal: &Normal, columns: &[usize]) -> Option<(Vec<f64>, DMatrix<f64>)> {
+    let scale: Vec<f64> = columns.iter().map(|&i| normal.curvature[(i, i)].sqrt()).collect();
+    if scale.iter().any(|scale| !(*scale > 0.0 && scale.is_finite())) {
+        return None;
+    }
+    let n = columns.len();
+    let matrix =
+        DMatrix::from_fn(n, n, |i, j| normal.curvature[(columns[i], columns[j])] / (scale[i] * scale[j]));
+    Some((scale, matrix))
+}
+
 /// The covariance of coefficients by the scatter of the blocks: A⁻¹·Σ s·sᵀ·A⁻¹ with the gradients s of the blocks at these values.
 fn covariance(blocks: &[Normal], total: &Normal, columns: &[usize], values: &[f64]) -> Option<DMatrix<f64>> {
     let n = columns.len();
-    let scale: Vec<f64> = columns.iter().map(|&i| total.curvature[(i, i)].sqrt()).collect();
-    let matrix =
-        DMatrix::from_fn(n, n, |i, j| total.curvature[(columns[i], columns[j])] / (scale[i] * scale[j]));
+    let (scale, matrix) = scaled(total, columns)?;
     let inverse = matrix.cholesky()?.inverse();
     let mut scatter = DMatrix::zeros(n, n);
     for block in blocks {
@@ -177,6 +181,6 @@ fn covariance(blocks: &[Normal], total: &Normal, columns: &[usize], values: &[f6
         scatter.ger(1.0, &gradient, &gradient, 1.0);
     }
     let count = blocks.len() as f64;
-    let scaled = &inverse * scatter * &inverse * (count / (count - n as f64).max(1.0));
-    Some(DMatrix::from_fn(n, n, |i, j| scaled[(i, j)] / (scale[i] * scale[j])))
+    let product = &inverse * scatter * &inverse * (count / (count - n as f64).max(1.0));
+    Some(DMatrix::from_fn(n, n, |i, j| product[(i, j)] / (scale[i] * scale[j])))
 }

@@ -11,6 +11,7 @@ use crate::options::TraceOptions;
 use files::log::{AxisLog, Log, Unit};
 use model::residual_law::{Term, WavePosition};
 use model::residual_table::TableVariable as V;
+use numerics::noise::box_muller;
 use shared::config::Rates;
 
 const SAMPLE_S: f64 = 1e-3;
@@ -156,7 +157,7 @@ fn case(seed: u64, terms: usize) -> Case {
         .map(|truth| logs.iter().map(|log| values(&truth.term, log, SAMPLES)).collect())
         .collect();
     let residual = |log: usize, random: &mut ChaCha8Rng| {
-        let mut sum: Vec<f64> = (0..SAMPLES).map(|_| NOISE_UM * normal(random)).collect();
+        let mut sum: Vec<f64> = (0..SAMPLES).map(|_| NOISE_UM * box_muller(random)).collect();
         for (truth, values) in truths.iter().zip(&of_terms) {
             let rms = numerics::rms(values.iter().flatten().copied());
             sum.iter_mut().zip(&values[log]).for_each(|(sum, value)| *sum += truth.size_um / rms * value);
@@ -213,10 +214,4 @@ fn noise_has_no_law() {
     for seed in 0..6 {
         assert_eq!(case(seed, 0).found, None, "{seed}");
     }
-}
-
-/// A standard normal deviate (Box and Muller).
-fn normal(random: &mut ChaCha8Rng) -> f64 {
-    let (u, v): (f64, f64) = (random.random_range(1e-12..1.0), random.random());
-    (-2.0 * u.ln()).sqrt() * (TAU * v).cos()
 }

@@ -45,7 +45,7 @@ pub struct LawTerm {
     coefficient: Vec<f64>,
     /// The interval of each.
     ci95: Vec<[Option<f64>; 2]>,
-    /// By how many standard errors the term lowers the residual of the held-out logs.
+    /// By how many standard errors the term, fitted to the held-out logs alone, differs from zero.
     held_out_t: f64,
     /// Whether these logs determine that the term is in the law.
     is_certain: bool,
