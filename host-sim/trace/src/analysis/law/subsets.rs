@@ -154,7 +154,7 @@ pub fn solved(normal: &Normal, columns: &[usize]) -> Option<Vec<f64>> {
     Some(solution.iter().zip(&scale).map(|(value, scale)| value / scale).collect())
 }
 
-/// The lengths of some columns, and JᵀJ of the columns scaled to a length of 1; `None` if a column is zero.
+/// The lengths of some columns, and `JᵀJ` of the columns scaled to a length of 1; `None` if a column is zero.
 fn scaled(normal: &Normal, columns: &[usize]) -> Option<(Vec<f64>, DMatrix<f64>)> {
     let scale: Vec<f64> = columns.iter().map(|&i| normal.curvature[(i, i)].sqrt()).collect();
     if scale.iter().any(|scale| !(*scale > 0.0 && scale.is_finite())) {
