@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use maud::{Markup, html};
+use numerics::quantile;
 
 use crate::kind::Kind;
 use crate::score::Outcome;
@@ -32,6 +33,9 @@ const NOTE: &str = "False, sure: names of effects that are not there, stated as 
                     of the data that are not there. Intervals: 95 % confidence intervals that contain the true \
                     value.";
 
+/// Name of the last row.
+const ALL: &str = "all";
+
 /// Whether the outcomes need the table: for the textbook kind alone, the summary says the same.
 #[must_use]
 pub fn is_needed(outcomes: &[Outcome]) -> bool {
@@ -41,7 +45,7 @@ pub fn is_needed(outcomes: &[Outcome]) -> bool {
 /// The rows: kind and figures; the last is that of all kinds.
 fn rows(outcomes: &[Outcome]) -> Vec<(&'static str, [String; HEADINGS.len()])> {
     let row = |(kind, outcomes): (Kind, Vec<Outcome>)| (kind.name(), figures(&Summary::new(&outcomes)));
-    let all = ("all", figures(&Summary::new(outcomes)));
+    let all = (ALL, figures(&Summary::new(outcomes)));
     by_kind(outcomes).into_iter().map(row).chain([all]).collect()
 }
 
@@ -72,17 +76,25 @@ fn figures(summary: &Summary) -> [String; HEADINGS.len()] {
     ]
 }
 
-/// The table as text.
+/// The table as text; `seconds` is the time that each outcome took, s, of which the last column has the median.
+///
+/// The JSON and the page have no times, so that the same seed gives the same files.
 #[must_use]
-pub fn text(outcomes: &[Outcome]) -> String {
-    let mut lines = vec![line("kind", &HEADINGS.map(|(heading, _)| heading.to_owned()))];
-    lines.extend(rows(outcomes).into_iter().map(|(kind, figures)| line(kind, &figures)));
+pub fn text(outcomes: &[Outcome], seconds: &[f64]) -> String {
+    let headings = HEADINGS.map(|(heading, _)| heading.to_owned());
+    let mut lines = vec![line("kind", &headings, "seconds")];
+    lines.extend(rows(outcomes).into_iter().map(|(kind, figures)| {
+        let is_of_kind = |outcome: &Outcome| kind == ALL || outcome.kind.name() == kind;
+        let timed = outcomes.iter().zip(seconds);
+        let own: Vec<f64> = timed.filter(|(outcome, _)| is_of_kind(outcome)).map(|(_, &s)| s).collect();
+        line(kind, &figures, &format!("{:.1}", quantile(&own, 0.5)))
+    }));
     lines.join("\n")
 }
 
-fn line(first: &str, figures: &[String; HEADINGS.len()]) -> String {
+fn line(first: &str, figures: &[String; HEADINGS.len()], last: &str) -> String {
     let cells = figures.iter().zip(HEADINGS).map(|(figure, (_, width))| format!("{figure:>width$}"));
-    format!("{first:<12}{}", cells.collect::<String>())
+    format!("{first:<12}{}{last:>9}", cells.collect::<String>())
 }
 
 /// The first columns, those of names; the others are those of the channels.
@@ -128,13 +140,16 @@ mod tests {
         let other = Outcome { kind: Kind::Many, ..Outcome::new(1, &truths, &json!({})) };
         let outcomes = [textbook, other];
         assert!(is_needed(&outcomes));
-        let text = text(&outcomes);
+        let text = text(&outcomes, &[1.0, 3.0]);
         let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split_whitespace().collect()).collect();
         // Kind, cases, exact, missed, false and sure, false and ambiguous.
         assert_eq!(lines[1][..6], ["textbook", "1", "1", "0", "0", "0"]);
         assert_eq!(lines[2][..6], ["many", "1", "0", "1", "0", "0"]);
         assert_eq!(lines[3][..6], ["all", "2", "1", "1", "0", "0"]);
         assert_eq!(lines.len(), 4);
+        // The time of the case of each kind; the median of two by nearest rank is the lower one.
+        let seconds: Vec<&str> = lines.iter().filter_map(|line| line.last().copied()).collect();
+        assert_eq!(seconds, ["seconds", "1.0", "3.0", "1.0"]);
         // Two parts, each with headings and a row for each kind and for all; 1 + 9 and 1 + 4 cells a row.
         let html = markup(&outcomes).into_string();
         assert_eq!((html.matches("<tr>").count(), html.matches("<td").count()), (8, 3 * 13));

@@ -188,7 +188,7 @@ fn a_refused_case_is_not_exact() {
     let outcome = Outcome::refused(&case, &InputError::expected("fit", "a force", "none"));
     assert!(!outcome.is_exact());
     let outcomes = [outcome];
-    let tables = text_summary::tables(&outcomes, &Summary::new(&outcomes));
+    let tables = text_summary::tables(&outcomes, &[], &Summary::new(&outcomes));
     assert!(tables.contains("case 15: refused: fit: expected a force, found none"), "{tables}");
 }
 

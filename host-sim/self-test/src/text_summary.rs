@@ -110,12 +110,12 @@ fn was_or_were(count: usize) -> &'static str {
     if count == 1 { "was" } else { "were" }
 }
 
-/// Incorrect cases, confusions, parameters, residuals.
+/// Incorrect cases, confusions, parameters, residuals; `seconds` is the time that each outcome took, s.
 #[must_use]
-pub fn tables(outcomes: &[Outcome], summary: &Summary) -> String {
+pub fn tables(outcomes: &[Outcome], seconds: &[f64], summary: &Summary) -> String {
     let mut lines = Vec::new();
     if kind_table::is_needed(outcomes) {
-        lines.extend([kind_table::text(outcomes), String::new()]);
+        lines.extend([kind_table::text(outcomes, seconds), String::new()]);
     }
     let judged = judgement_text::text(outcomes);
     if !judged.is_empty() {

@@ -161,7 +161,7 @@ fn write_kinds(arguments: &Arguments, results: &Results<Option<Outcome>>) -> Res
         &self_test::json(arguments.seed, arguments.cases, &outcomes, &summary),
     )?;
     let sentences = text_summary::sentences(arguments.seed, &summary);
-    let tables = text_summary::tables(&outcomes, &summary);
+    let tables = text_summary::tables(&outcomes, &results.seconds, &summary);
     let page = |folder: &Path| self_test::page::write(folder, &sentences, &outcomes, &summary);
     let report = arguments.report.as_deref().map(page).transpose()?;
     print_summary(arguments, &[&sentences.join("\n"), &tables], &results.seconds, report)
