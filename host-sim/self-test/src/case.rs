@@ -139,15 +139,15 @@ impl Case {
 }
 
 /// What is drawn of a case before it is simulated.
-struct Session {
-    drawn: Drawn,
-    motions: [Motion; 5],
-    truths: Vec<Truth>,
+pub(super) struct Session {
+    pub(super) drawn: Drawn,
+    pub(super) motions: [Motion; 5],
+    pub(super) truths: Vec<Truth>,
     extras: Vec<Truth>,
 }
 
 impl Session {
-    fn draw(kind: Kind, seed: u64, number: u64) -> Self {
+    pub(super) fn draw(kind: Kind, seed: u64, number: u64) -> Self {
         let mut random = stream(kind.index(), seed, number, Purpose::Machine);
         let deviations = match kind {
             Kind::Offspec => draw::BEYOND_TOLERANCE,

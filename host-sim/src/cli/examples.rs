@@ -1,7 +1,7 @@
 //! Examples below the help of each verb.
 
 /// Verbs with lines that can be typed.
-pub const ALL: [(&str, &[&str]); 26] = [
+pub const ALL: [(&str, &[&str]); 27] = [
     (
         "trace",
         &[
@@ -92,6 +92,14 @@ pub const ALL: [(&str, &[&str]); 26] = [
         ],
     ),
     ("gcode", &["lost-motion gcode --motion circle.toml --format linuxcnc --out circle.ngc"]),
+    (
+        "plan",
+        &[
+            "lost-motion plan --model better.toml --within circle.csv --out P.toml",
+            "lost-motion plan --model better.toml --within circle.csv --out P.toml --gcode P.ngc --format linuxcnc",
+            "lost-motion plan --model better.toml --travel x=-50..200 --speed-mm-per-s 80 --acceleration-m-per-s2 2 --out P.toml",
+        ],
+    ),
     (
         "margins",
         &[

@@ -12,13 +12,28 @@ use motion::gcode::{self, Control};
 
 /// The language of the program.
 #[derive(Clone, Copy, clap::ValueEnum)]
-enum Format {
+pub enum Format {
     /// LinuxCNC.
     Linuxcnc,
     /// Siemens SINUMERIK.
     Siemens,
     /// Fanuc.
     Fanuc,
+}
+
+impl Format {
+    /// A motion as a program; `source` names the motion in messages.
+    ///
+    /// # Errors
+    /// If the motion has other axes than the control.
+    pub fn program(self, motion: &Motion, source: &str) -> Result<String, InputError> {
+        let control = match self {
+            Self::Linuxcnc => Control::Linuxcnc,
+            Self::Siemens => Control::Siemens,
+            Self::Fanuc => Control::Fanuc,
+        };
+        gcode::program(motion, control).map_err(|error| InputError::new(source, error.to_string()))
+    }
 }
 
 /// Arguments of `gcode`.
@@ -42,14 +57,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     check_outputs(&[&arguments.motion], &[Output::File("--out", Some(&arguments.out))])?;
     let motion = Motion::read(&arguments.motion)?;
-    let control = match arguments.format {
-        Format::Linuxcnc => Control::Linuxcnc,
-        Format::Siemens => Control::Siemens,
-        Format::Fanuc => Control::Fanuc,
-    };
-    let source = arguments.motion.display().to_string();
-    let program =
-        gcode::program(&motion, control).map_err(|error| InputError::new(&source, error.to_string()))?;
+    let program = arguments.format.program(&motion, &arguments.motion.display().to_string())?;
     write_whole(&arguments.out, |out| out.write_all(program.as_bytes()))?;
     print(&format!("Program: {}", arguments.out.display()))
 }

@@ -16,6 +16,7 @@ const GROUPS: [(&str, &[&str]); 5] = [
             "positions",
             "volume",
             "budget",
+            "plan",
             "history",
             "resonances",
             "init",

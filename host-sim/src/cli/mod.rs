@@ -25,6 +25,7 @@ mod logged_run;
 mod logs;
 mod margins;
 mod outputs;
+mod plan;
 mod positions;
 mod progress;
 mod questions;
@@ -95,6 +96,8 @@ enum Command {
     Import(import::Arguments),
     /// Estimate a machine file from logs: what they show of drive, gains, masses, friction and stiffness.
     Init(init::Arguments),
+    /// Plan the shortest motion that decides between effects that a trace could not tell apart.
+    Plan(plan::Arguments),
     /// Write a motion as a program for LinuxCNC, Siemens or Fanuc.
     Gcode(gcode::Arguments),
     /// Compute gain and phase margins of the velocity and position loops of a machine file.
@@ -139,6 +142,7 @@ pub fn run() -> ExitCode {
         Command::Budget(arguments) => budget::run(&arguments),
         Command::History(arguments) => history::run(&arguments),
         Command::App(arguments) => app::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
         Command::Gcode(arguments) => gcode::run(&arguments),
         Command::Margins(arguments) => margins::run(&arguments),
         Command::Resonances(arguments) => resonances::run(&arguments),

@@ -15,6 +15,7 @@ use self_test::detection::{Detection, SizedCase, detect};
 use self_test::detection_curve::Curve;
 use self_test::kind::{Kind, Kinds};
 use self_test::law_case::{self, LawCase, LawOutcome};
+use self_test::plan_case::{self, PlanCase, PlanOutcome};
 use self_test::score::Outcome;
 use self_test::summary::Summary;
 use self_test::{detection_curve, detection_text, text_summary};
@@ -44,6 +45,9 @@ pub struct Arguments {
     /// Whether laws of the tool, drawn at random, are found in what no effect describes.
     #[arg(long, conflicts_with_all = ["kind", "keep", "only", "detection", "report"])]
     laws: bool,
+    /// Whether a planned motion decides what a log that is too short leaves open.
+    #[arg(long, conflicts_with_all = ["kind", "keep", "only", "detection", "laws", "report"])]
+    plan: bool,
     /// Write the result as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -65,9 +69,10 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     check(arguments)?;
     stop::write_partial_result();
-    match (arguments.detection, arguments.laws) {
-        (true, _) => run_detection(arguments),
-        (_, true) => run_laws(arguments),
+    match arguments {
+        Arguments { detection: true, .. } => run_detection(arguments),
+        Arguments { laws: true, .. } => run_laws(arguments),
+        Arguments { plan: true, .. } => run_plans(arguments),
         _ => run_kinds(arguments),
     }
 }
@@ -207,6 +212,27 @@ fn run_laws(arguments: &Arguments) -> Result<()> {
     let cases: Vec<_> = results.done.iter().map(LawOutcome::json).collect();
     write_json(arguments.json.as_ref(), &serde_json::json!({"seed": seed, "cases": cases}))?;
     print_summary(arguments, &[&law_case::summary(seed, &results.done)], &results.seconds, None)?;
+    ended(&results)
+}
+
+/// Draws machines with a short log, and plans a motion for each that leaves a question.
+fn run_plans(arguments: &Arguments) -> Result<()> {
+    let jobs = (1..=arguments.cases).map(|number| (format!("plan {number}"), number)).collect();
+    let seed = arguments.seed;
+    let work = move |&number: &u64, show: Show<'_>| {
+        show("running the machine");
+        Ok(PlanCase::draw(seed, number)?.judged(show)?)
+    };
+    let results = Batch { jobs, work }.run(|done: &[Option<PlanOutcome>]| {
+        let asked: Vec<&PlanOutcome> = done.iter().flatten().collect();
+        let decided = asked.iter().filter(|outcome| outcome.is_decided).count();
+        format!("{decided} of {} decided; ", asked.len())
+    })?;
+    let outcomes: Vec<PlanOutcome> = results.done.iter().flatten().cloned().collect();
+    let cases: Vec<_> = outcomes.iter().map(PlanOutcome::json).collect();
+    write_json(arguments.json.as_ref(), &serde_json::json!({"seed": seed, "cases": cases}))?;
+    let summary = plan_case::summary(seed, results.done.len(), &outcomes);
+    print_summary(arguments, &[&summary], &results.seconds, None)?;
     ended(&results)
 }
 

@@ -267,8 +267,10 @@ impl Context<'_> {
 /// Reads each effect separately. If the whole file is read, serde does not report the key of an error in an effect.
 pub(super) fn effects(document: &Document<'_>) -> Result<(), InputError> {
     for axis in document.children("axis") {
-        let nominal = format!("{axis}.nominal");
-        for effect in entries(axis, document).into_iter().chain(entries(&nominal, document)) {
+        let evidence = indexed(&format!("{axis}.evidence"), document).into_iter();
+        let alternatives = evidence.flat_map(|entry| indexed(&format!("{entry}.alternative"), document));
+        let effects = [axis.to_owned(), format!("{axis}.nominal")].map(|of| entries(&of, document));
+        for effect in effects.into_iter().flatten().chain(alternatives) {
             let name_key = format!("{effect}.name");
             let name: String = document.deserialize_at(&name_key)?;
             if !names().contains(&name.as_str()) {
@@ -284,9 +286,13 @@ pub(super) fn effects(document: &Document<'_>) -> Result<(), InputError> {
 
 /// Keys of the `[[axis.NAME.effect]]` entries of an axis.
 fn entries<'d>(axis: &str, document: &'d Document<'_>) -> Vec<&'d str> {
-    let inside = document.children(&format!("{axis}.effect")).into_iter();
-    // If `effect` is a table by mistake, its children are keys without an index.
-    inside.filter(|key| key.ends_with(']')).collect()
+    indexed(&format!("{axis}.effect"), document)
+}
+
+/// Keys of the entries of an array of tables.
+fn indexed<'d>(array: &str, document: &'d Document<'_>) -> Vec<&'d str> {
+    // If it is a table by mistake, its children are keys without an index.
+    document.children(array).into_iter().filter(|key| key.ends_with(']')).collect()
 }
 
 /// Checks the types of the keys of an effect with this name: `name`, `source`, `channel` and `part` are texts, all others numbers

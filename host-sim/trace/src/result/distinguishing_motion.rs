@@ -3,8 +3,8 @@
 //! Two machines, each with one of the effects, are simulated in six motions within the travel, speed and acceleration of the
 //! logs. The motion is proposed in which a channel differs most, in units of its noise.
 
+use crate::input::motion_range::MotionRange;
 use crate::input::signals::Signals;
-use crate::input::smoothing::Smooth;
 use crate::options::AdmissionOptions;
 use files::log::{AxisLog, Log};
 use model::machine::Machine;
@@ -164,33 +164,6 @@ impl Trial {
             }
         }
         Some(lines)
-    }
-}
-
-/// Range of an axis's motion in the logs.
-struct MotionRange {
-    middle_mm: f64,
-    half_mm: f64,
-    speed_mm_s: f64,
-    acceleration_m_per_s2: f64,
-}
-
-impl MotionRange {
-    fn of(logs: &[Signals], axis: usize, min_travel_mm: f64) -> Option<Self> {
-        let signals = || logs.iter().filter_map(|log| log.axes.get(axis)?.table_or_motor());
-        let greatest = |of: &dyn Fn(&Smooth) -> f64| signals().map(of).reduce(f64::max);
-        let max = greatest(&|s| numerics::max(s.value.iter().copied()))?;
-        let min = -greatest(&|s| numerics::max(s.value.iter().map(|m| -m)))?;
-        let speed = greatest(&|s| numerics::max_abs(s.velocity.iter().copied()))?;
-        let acceleration = greatest(&|s| numerics::max_abs(s.acceleration.iter().copied()))?;
-        // An axis at rest in the logs has no range of motion.
-        let half_mm = 500.0 * (max - min);
-        (2.0 * half_mm >= min_travel_mm).then_some(Self {
-            middle_mm: 500.0 * (max + min),
-            half_mm,
-            speed_mm_s: 1e3 * speed,
-            acceleration_m_per_s2: acceleration,
-        })
     }
 }
 

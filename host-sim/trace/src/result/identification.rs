@@ -65,10 +65,22 @@ impl AxisIdentification {
                     .map(|half| if half.is_finite() { *half } else { 0.0 })
                     .collect(),
                 rivals: found.rival_names().into_iter().map(str::to_owned).collect(),
+                decided_by: found.imitations.iter().map(|one| one.decided_by.to_owned()).collect(),
+                alternatives: self.alternatives(&found.effect),
                 ..declared
             }
         };
         effects.iter().map(of).collect()
+    }
+
+    /// The rivals of a found effect that another motion may decide, as fitted in its place.
+    fn alternatives(&self, found: &Effect) -> Vec<Effect> {
+        let of_found = self.ambiguities.iter().filter(|one| one.added.is_same(found));
+        let fitted = |one: &Ambiguity| {
+            let of_rival = one.with_rival.axis.effect.iter().find(|effect| effect.is_same(&one.rival));
+            of_rival.cloned()
+        };
+        of_found.filter_map(fitted).collect()
     }
 
     /// What the model leaves of the positions from the command to the tool where it stands out of the noise, µm rms without the noise: each

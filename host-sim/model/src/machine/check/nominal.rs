@@ -51,6 +51,10 @@ impl Context<'_> {
             if evidence.half_widths.iter().any(|half_width| *half_width < 0.0) {
                 return Err(self.refuse(&key("half_widths"), "numbers not below 0"));
             }
+            for (index, effect) in evidence.alternatives.iter().enumerate() {
+                let key = format!("{}.{}[{index}]", self.key, key("alternative"));
+                parameters(effect, &key, self.document)?;
+            }
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 //! | step | module |
 //! |---|---|
 //! | the terms that may be in a law | [`library`], [`waves`] |
-//! | the samples, and normal equations block by block | [`samples`] |
+//! | the samples without those near a reversal, and normal equations block by block | [`samples`], [`reversals`] |
 //! | the subsets of one to three terms that leave least | [`subsets`] |
 //! | how many terms, and their distances and periods | [`choice`] |
 //! | which terms held-out logs support, and which have a rival | [`judgement`] |
@@ -17,6 +17,7 @@ pub mod equation;
 pub mod found_law;
 pub mod judgement;
 pub mod library;
+pub mod reversals;
 pub mod samples;
 pub mod subsets;
 pub mod waves;

@@ -1,14 +1,12 @@
 //! The samples of a residual, and normal equations of terms block by block.
 
-use std::ops::Range;
-
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use super::reversals::near_reversals;
 use crate::fit::fit_data::{FitData, ResidualSeries};
 use crate::fit::normal_equations::{Column, FOLDS, block_ranges};
 use crate::input::signals::AxisSignals;
-use crate::input::smoothing::Smooth;
 use crate::prediction::law_terms::LogVariables;
 use model::effects::Stage;
 use model::residual_law::{Term, WavePosition};
@@ -16,10 +14,6 @@ use model::residual_table::TableVariable;
 
 /// Largest number of samples that are used: neighbours differ little.
 const MOST_SAMPLES: usize = 24_000;
-
-/// Speeds between rest and motion, m/s. At such a speed it is not known which direction counts, as friction holds the axis by its
-/// springs.
-const CREEPING_M_PER_S: Range<f64> = 2e-5..1e-3;
 
 /// A block of consecutive samples of one log.
 #[derive(Clone, Debug)]
@@ -62,17 +56,15 @@ impl<'a> Samples<'a> {
         for series in of_stage() {
             let counts = data.counting(stage, series.log);
             let axes = &data.logs[series.log].axes;
-            let motions: Vec<&Smooth> = axes.iter().filter_map(AxisSignals::table_or_motor).collect();
-            let creeps = |sample: usize| {
-                motions.iter().any(|motion| {
-                    motion.velocity.get(sample).is_some_and(|v| CREEPING_M_PER_S.contains(&v.abs()))
-                })
-            };
+            let motions = axes.iter().filter_map(AxisSignals::table_or_motor);
+            let reversals: Vec<Vec<bool>> = motions.map(near_reversals).collect();
+            let reverses =
+                |sample: usize| reversals.iter().any(|near| near.get(sample).copied().unwrap_or(false));
             let ranges = block_ranges(series.values.len(), data.shortest_block(series.log));
             let number = ranges.len();
             for (i, range) in ranges.into_iter().enumerate() {
                 let samples: Vec<usize> =
-                    range.step_by(stride).filter(|&sample| counts(sample) && !creeps(sample)).collect();
+                    range.step_by(stride).filter(|&sample| counts(sample) && !reverses(sample)).collect();
                 let residual = samples.iter().map(|&sample| series.values[sample]).collect();
                 let of_column = |column: &Column| {
                     let of_log = column.iter().find(|other| (other.stage, other.log) == (stage, series.log));
