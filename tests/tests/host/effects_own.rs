@@ -38,7 +38,7 @@ fn no_file_of_tracer_compensation_and_reports_names_an_effect() {
     assert!(types.len() >= names().len());
     let mut read = 0;
     for folder in
-        ["trace", "commissioning", "report", "improve", "contour", "pages", "budget", "volume", "web"]
+        ["trace", "commissioning", "report", "improve", "plan", "contour", "pages", "budget", "volume", "web"]
     {
         for file in sources(&workspace().join("host-sim").join(folder).join("src")) {
             if file.ends_with("tests.rs") {

@@ -29,6 +29,7 @@ mod model_again;
 mod module_circles;
 mod no_false_names;
 mod pages_in_browser;
+mod plan;
 #[path = "../../../shared/tests/slide.rs"]
 mod slide;
 mod trace_schema;

@@ -14,12 +14,17 @@ use crate::judge::declared_value::{self, DeclaredValue};
 use crate::judge::found_effect::{FoundEffect, Remaining};
 use crate::options::VerdictOptions;
 use crate::result::displaced_head;
+use crate::result::force_scale::with_both_values;
 use model::effects::{Imitation, ImitationContext, LoggedChannels, Stage};
 use model::machine::Machine;
 
 /// Largest residual of the motor stage, in multiples of its noise, beside which declared values are told from errors of the loop. A
 /// delay of the loop that no effect describes leaves 20 to 200.
 const MAX_LOOP_RATIO: f64 = 10.0;
+
+/// Largest residual beside which a special form of an effect is told from its ordinary form, in multiples of the noise. True effects leave up
+/// to this; what is left beyond it may have made the difference between the forms.
+const MAX_SPECIAL_RATIO: f64 = 1.5;
 
 /// Whether no other effect explains the logs as well, nothing imitates it, and the model with it describes its axis.
 #[must_use]
@@ -120,9 +125,33 @@ fn with_imitations(
         let remaining = shown
             .map(|error| Remaining { stage: error.stage, to_noise: error.ratio_to_noise(options.min_noise) });
         let largest = remaining.max_by(|a, b| a.to_noise.total_cmp(&b.to_noise));
-        found.remaining = largest.filter(|remaining| remaining.to_noise > options.max_certain_ratio);
+        let is_special = found.effect.kind().special_form_of.is_some();
+        let most = if is_special { MAX_SPECIAL_RATIO } else { options.max_certain_ratio };
+        found.remaining = largest.filter(|remaining| remaining.to_noise > most);
+    }
+    with_rivals_of_neighbours(axis)
+}
+
+/// The findings in which an effect that is barely determined has also the rivals of an ambiguous one of its stage: what one of these explains
+/// instead may be what the effect was added for.
+fn with_rivals_of_neighbours(mut axis: AxisFindings) -> AxisFindings {
+    let all = axis.found.clone();
+    for found in axis.found.iter_mut().filter(|found| is_barely_determined(found)) {
+        let others =
+            all.iter().filter(|other| other.stage == found.stage && !other.effect.is_same(&found.effect));
+        for rival in others.flat_map(|other| &other.rivals) {
+            if !found.rivals.iter().any(|known| known.is_same(rival)) && !rival.is_same(&found.effect) {
+                found.rivals.push(rival.clone());
+            }
+        }
     }
     axis
+}
+
+/// Whether half of the interval of an effect's size exceeds half of the size.
+fn is_barely_determined(found: &FoundEffect) -> bool {
+    let size = found.effect.values().first().copied().unwrap_or(0.0);
+    found.half_widths.first().is_some_and(|half_width| *half_width > 0.5 * size.abs())
 }
 
 /// See [`ImitationContext::tool_follows_scale`].
@@ -162,6 +191,7 @@ fn of_declared_values(mut findings: AxisFindings, jitters: bool, options: &Verdi
     let is_unknown = |value: &DeclaredValue| is_none_known || !is_head_known && value.is_of_division();
     let unknown = findings.declared_values.iter_mut().filter(|value| is_unknown(value));
     unknown.for_each(|value| value.is_beyond_tolerance = false);
+    let findings = if has_force_scale { with_both_values(findings) } else { findings };
     Doubted { findings, has_force_scale }
 }
 

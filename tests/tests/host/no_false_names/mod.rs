@@ -5,6 +5,7 @@
 //! with the test that contains it.
 
 mod broken_data;
+mod coarse_encoders;
 mod controller;
 mod declared_values;
 

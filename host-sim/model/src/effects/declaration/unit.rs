@@ -45,6 +45,19 @@ pub enum Unit {
 }
 
 impl Unit {
+    /// Whether it is proportional to a force.
+    #[must_use]
+    pub const fn is_of_force(self) -> bool {
+        matches!(
+            self,
+            Self::Newton
+                | Self::NewtonPerMetre
+                | Self::NewtonPerSquareMetre
+                | Self::NewtonPerMicrometre
+                | Self::NewtonSecondPerMetre
+        )
+    }
+
     /// Suffixes of keys with a value in this unit, for linear and for rotary axes. Empty if dimensionless.
     #[must_use]
     pub const fn key_ends(self) -> [&'static str; 2] {
