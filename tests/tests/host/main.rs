@@ -29,7 +29,6 @@ mod model_again;
 mod module_circles;
 mod no_false_names;
 mod pages_in_browser;
-mod plan;
 #[path = "../../../shared/tests/slide.rs"]
 mod slide;
 mod trace_schema;

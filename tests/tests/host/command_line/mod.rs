@@ -14,6 +14,7 @@ mod improve;
 mod init;
 mod margins;
 mod other_controls;
+mod plan;
 mod positions;
 mod refused;
 mod refused_lost_motion;

@@ -4,7 +4,7 @@ use motion::Motion;
 use self_test::plan_case::PlanCase;
 use serde_json::Value;
 
-use crate::command_line::work_folder::WorkFolder;
+use super::work_folder::WorkFolder;
 
 /// Two machines of `self-test --plan --seed 777` whose short circle leaves a question. `docs/self-test.md` has the figures of more.
 #[test]
