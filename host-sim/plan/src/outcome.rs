@@ -18,8 +18,6 @@ pub struct Tried {
     pub seconds: f64,
     /// How many goals it reaches.
     pub reached: usize,
-    /// The number of goals: the candidates of all questions, and the widths of the intervals if they are limited.
-    pub goals: usize,
 }
 
 /// The interval that is expected of a value of the model.
@@ -50,6 +48,8 @@ pub struct Plan {
     pub asked: Vec<Asked>,
     /// Whether a trace of the motion finds each of them for certain if it is the true one.
     pub is_recognized: Vec<bool>,
+    /// The number of goals: the candidates of all questions, and the widths of the intervals if they are limited.
+    pub goals: usize,
     /// The motions that were tried, in their order.
     pub tried: Vec<Tried>,
     /// The motion; `None` if none within the limits answers anything, or nothing is asked.
@@ -110,7 +110,7 @@ impl Plan {
     /// Whether there is something that a motion could decide or measure.
     #[must_use]
     pub const fn has_goals(&self) -> bool {
-        !self.tried.is_empty()
+        self.goals > 0
     }
 
     /// A sentence and tables.
@@ -128,7 +128,7 @@ impl Plan {
         }
         if !self.tried.is_empty() {
             let row = |one: &Tried| {
-                format!("{:<64}{:>8.1}{:>5} of {}", one.name, one.seconds, one.reached, one.goals)
+                format!("{:<64}{:>8.1}{:>5} of {}", one.name, one.seconds, one.reached, self.goals)
             };
             let head = format!("{:<64}{:>8}{:>10}", "motion tried", "s", "reached");
             parts
@@ -140,7 +140,12 @@ impl Plan {
     fn sentence(&self) -> String {
         let Some(motion) = &self.motion else {
             return if self.has_goals() {
-                "No motion within the limits decides anything.".to_owned()
+                match self.tried.len() {
+                    0 => {
+                        "No motion of this program is within the limits: a longer time is needed.".to_owned()
+                    }
+                    _ => "No motion within the limits decides anything.".to_owned(),
+                }
             } else {
                 "No motion is planned: no effect of the model leaves a question that another motion would answer.".to_owned()
             };
@@ -148,7 +153,7 @@ impl Plan {
         let name = format!("{}, {:.1} s", motion.name, motion.seconds);
         let count = self.questions.len();
         let decided = (0..count).filter(|question| self.decides(*question)).count();
-        let is_all = self.tried.iter().any(|one| one.reached == one.goals);
+        let is_all = self.tried.iter().any(|one| one.reached == self.goals);
         if is_all {
             return format!("The shortest of the motions that were tried and reach every goal: {name}.");
         }
@@ -213,7 +218,7 @@ impl Plan {
                 "half_width_before": one.before, "half_width_expected": one.after,
             })
         };
-        let tried = |one: &Tried| json!({"motion": one.name, "duration_s": one.seconds, "reached": one.reached, "goals": one.goals});
+        let tried = |one: &Tried| json!({"motion": one.name, "duration_s": one.seconds, "reached": one.reached, "goals": self.goals});
         json!({
             "motion": self.motion.as_ref().map(|one| &one.name),
             "duration_s": self.motion.as_ref().map(|one| one.seconds),

@@ -35,8 +35,8 @@ pub fn plan(planning: &Planning<'_>, progress: &(dyn Fn(&str) + Sync)) -> Plan {
     let bench = Bench { model, declared: &declared, questions: &questions, logs };
     let asked = asked(&questions);
     let (mut tried, mut best): (Vec<Tried>, Option<(Candidate, Answers, usize)>) = (Vec::new(), None);
-    let has_goal = !asked.is_empty() || interval_percent.is_some();
-    let family = if has_goal { candidates(limits) } else { Vec::new() };
+    let goals = asked.len() + usize::from(interval_percent.is_some());
+    let family = if goals > 0 { candidates(limits) } else { Vec::new() };
     let mut without_gain = 0;
     for candidate in family {
         progress(&format!("simulating and tracing {}", candidate.name));
@@ -48,7 +48,7 @@ pub fn plan(planning: &Planning<'_>, progress: &(dyn Fn(&str) + Sync)) -> Plan {
             best = Some((candidate, answers, row.reached));
             without_gain = 0;
         }
-        let is_done = row.reached == row.goals || without_gain == WITHOUT_GAIN;
+        let is_done = row.reached == goals || without_gain == WITHOUT_GAIN;
         tried.push(row);
         if is_done {
             break;
@@ -58,6 +58,7 @@ pub fn plan(planning: &Planning<'_>, progress: &(dyn Fn(&str) + Sync)) -> Plan {
         undecidable: undecidable(model),
         asked,
         questions,
+        goals,
         tried,
         expected: best.as_ref().map_or_else(Vec::new, |(_, answers, _)| Expected::of(model, answers)),
         is_recognized: best.as_ref().map_or_else(Vec::new, |(_, answers, _)| answers.is_recognized.clone()),
@@ -79,7 +80,7 @@ fn attempt(bench: &Bench<'_>, candidate: &Candidate, percent: Option<f64>) -> (T
         first => first,
     };
     let reached = answers.as_ref().map_or(0, |answers| reached(bench, answers, percent));
-    (Tried { name: candidate.name.clone(), seconds: candidate.seconds, reached, goals }, answers)
+    (Tried { name: candidate.name.clone(), seconds: candidate.seconds, reached }, answers)
 }
 
 /// The number of candidates that are recognized, and one more if the intervals are as narrow as asked for.

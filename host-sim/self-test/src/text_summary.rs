@@ -224,7 +224,7 @@ mod tests {
         let truths = [truth("windup", "x", &[("stiffness_n_per_um", 100.0)])];
         let trace = json!({"effects": [found("stribeck", "x", &json!({}))]});
         let outcomes = [Outcome::new(7, &truths, &trace)];
-        let text = tables(&outcomes, &Summary::new(&outcomes));
+        let text = tables(&outcomes, &[], &Summary::new(&outcomes));
         assert!(text.contains("case 7: true windup on x; found stribeck on x"), "{text}");
         assert!(text.contains("1 × windup → stribeck"), "{text}");
     }

@@ -39,15 +39,8 @@ pub struct Arguments {
     /// Of the kinds sensors and sparse, only the cases with this error or gap.
     #[arg(long)]
     only: Option<String>,
-    /// How often an effect of a given size, in units of the noise, is found; all effects and sizes once in 187 cases.
-    #[arg(long, conflicts_with_all = ["kind", "keep", "only"])]
-    detection: bool,
-    /// Whether laws of the tool, drawn at random, are found in what no effect describes.
-    #[arg(long, conflicts_with_all = ["kind", "keep", "only", "detection", "report"])]
-    laws: bool,
-    /// Whether a planned motion decides what a log that is too short leaves open.
-    #[arg(long, conflicts_with_all = ["kind", "keep", "only", "detection", "laws", "report"])]
-    plan: bool,
+    #[command(flatten)]
+    instead: Instead,
     /// Write the result as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -62,6 +55,20 @@ pub struct Arguments {
     no_trace: bool,
 }
 
+/// What is measured instead of the kinds.
+#[derive(Clone, clap::Args)]
+struct Instead {
+    /// How often an effect of a given size, in units of the noise, is found; all effects and sizes once in 187 cases.
+    #[arg(long, conflicts_with_all = ["kind", "keep", "only"])]
+    detection: bool,
+    /// Whether laws of the tool, drawn at random, are found in what no effect describes.
+    #[arg(long, conflicts_with_all = ["kind", "keep", "only", "detection", "report"])]
+    laws: bool,
+    /// Whether a planned motion decides what a log that is too short leaves open.
+    #[arg(long, conflicts_with_all = ["kind", "keep", "only", "detection", "laws", "report"])]
+    plan: bool,
+}
+
 /// Runs the command.
 ///
 /// # Errors
@@ -69,10 +76,10 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     check(arguments)?;
     stop::write_partial_result();
-    match arguments {
-        Arguments { detection: true, .. } => run_detection(arguments),
-        Arguments { laws: true, .. } => run_laws(arguments),
-        Arguments { plan: true, .. } => run_plans(arguments),
+    match arguments.instead {
+        Instead { detection: true, .. } => run_detection(arguments),
+        Instead { laws: true, .. } => run_laws(arguments),
+        Instead { plan: true, .. } => run_plans(arguments),
         _ => run_kinds(arguments),
     }
 }

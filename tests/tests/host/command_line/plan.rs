@@ -65,6 +65,8 @@ fn a_plan_without_a_question_or_without_limits_writes_nothing() {
     assert!(error.contains("--travel: expected the travel of x"), "{error}");
     let error = folder.fails(&format!("plan --model found.toml {LIMITS} --time-s -1 --out P.toml"), 2);
     assert!(error.contains("--time-s: expected a number above 0"), "{error}");
+    let error = folder.fails(&format!("plan --model found.toml {LIMITS} --time-s 1 --out P.toml"), 1);
+    assert!(error.contains("no motion is written"), "{error}");
     let error = folder.fails("plan --model found.toml --travel x=40..-40 --out P.toml", 2);
     assert!(error.contains("x=-50..200"), "{error}");
     assert!(!folder.path().join("P.toml").exists());

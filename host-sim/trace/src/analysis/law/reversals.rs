@@ -10,6 +10,7 @@ const CREEPING_M_PER_S: Range<f64> = 2e-5..1e-3;
 
 /// Whether the filter's window around each sample contains a reversal: a speed between rest and motion, or two samples of opposite
 /// directions. A residual that jumps there depends on when within the window it does.
+#[must_use]
 pub fn near_reversals(motion: &Smooth) -> Vec<bool> {
     let velocity = &motion.velocity;
     let reverses = |sample: usize| {
