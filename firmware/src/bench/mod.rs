@@ -12,7 +12,7 @@ use shared::capture::ChannelSteps;
 use shared::config::{AxisEnvelope, AxisSettings};
 use shared::drive::{
     Amplifier, AnyOutput, AxisInputs, Board, DriveSignal, DriveSystem, Duty, EnableSwitch, Inputs,
-    StatusLight, Supply, SupplyLimits,
+    StatusLight, Supply, SupplyLimits, TickClock,
 };
 use shared::feedback::Reading;
 use shared::homing::{AtLimit, Direction, HomingSettings, Mark};
@@ -77,6 +77,9 @@ const HOMING: HomingSettings = HomingSettings {
     timeout_s: 60.0,
 };
 
+/// Rate of the counter that times the ticks, Hz.
+pub const COUNTER_HZ: u32 = 25_000_000;
+
 /// PWM counts of full duty.
 const FULL_COUNTS: u16 = 8400;
 
@@ -132,6 +135,10 @@ pub struct OperatorInputs {
     pub y_vertical: bool,
     /// The table of y carries 3 kg more.
     pub y_loaded: bool,
+    /// The next tick with the power stages on takes one and a half periods.
+    pub slow_tick: bool,
+    /// The interrupts are held off for two periods.
+    pub held_off: bool,
 }
 
 impl Bench {
@@ -151,6 +158,8 @@ impl Bench {
                 x_cogging: false,
                 y_vertical: false,
                 y_loaded: false,
+                slow_tick: false,
+                held_off: false,
             },
         }
     }
@@ -248,5 +257,7 @@ pub fn drive_system(
     for axis in 0..AXES {
         machine.lose_reference(axis);
     }
-    Ok(DriveSystem::new(machine, outputs, switch, light).with_supply_limits(ENVELOPE.supply))
+    const CLOCK: TickClock = setup::tick_clock(COUNTER_HZ);
+    let system = DriveSystem::new(machine, outputs, switch, light);
+    Ok(system.with_supply_limits(ENVELOPE.supply).with_tick_clock(CLOCK))
 }

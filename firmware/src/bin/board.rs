@@ -44,7 +44,7 @@ mod app {
     ])]
     fn init(context: init::Context) -> (Shared, Local) {
         let init::LocalResources { machine, queues, .. } = context.local;
-        let parts = Parts::new(context.device, machine, queues);
+        let parts = Parts::new(context.device, context.core, machine, queues);
         let Parts { hardware, drive, ports, interrupt, watchdog, flash, previous_fault } =
             parts.expect("the values are verified by a test on the host");
         let start = Some((flash, previous_fault));

@@ -14,6 +14,7 @@ pub mod uart;
 pub mod usb;
 pub mod watchdog;
 
+use cortex_m::peripheral::DWT;
 use shared::axis::Reading;
 use shared::drive::step::StepCounter;
 use shared::drive::{AxisInputs, Board, DriveSettings, DriveSignal, Inputs, LinearInput, StepOutput, Supply};
@@ -23,6 +24,7 @@ use shared::machine::Machine;
 use shared::safety::Fault;
 use shared::scalar::Fixed;
 use stm32f4xx_hal::gpio::{Output, PC13, PinState, Pull};
+
 use stm32f4xx_hal::pac::{FLASH, Peripherals};
 use stm32f4xx_hal::prelude::*;
 
@@ -47,6 +49,8 @@ pub struct Hardware {
     steps: [Option<StepCounter>; AXES],
     fault_light: PC13<Output>,
     tick_timer: TickTimer,
+    /// Count of the clock of the core at the start of the present tick.
+    started_at: u32,
     /// Inputs of the present tick.
     switches: Switches,
     conversions: Conversions,
@@ -76,12 +80,14 @@ fn linear_input([slope, offset]: [f64; 2]) -> Result<LinearInput, SetupError> {
 }
 
 impl Parts {
-    /// Initialises clocks, pins and timers, configures the machine, and starts the ticks with the drives off.
+    /// Initialises clocks, pins and timers, configures the machine, and starts the ticks with the drives off. `processor` has the counter of
+    /// its clock cycles.
     ///
     /// # Errors
     /// [`SetupError`] for an invalid value in [`setup`].
     pub fn new(
         device: Peripherals,
+        processor: cortex_m::Peripherals,
         machine: &'static mut Machine<Fixed, AXES>,
         queues: &'static mut uart::Queues,
     ) -> Result<Self, SetupError> {
@@ -137,6 +143,7 @@ impl Parts {
         let system = setup::drive_system(machine, stages.full_counts())?;
         let Identity { tick_hz, times, steps, .. } = &setup::IDENTITY;
         let drive = HostedDrive::new(system, *tick_hz, *times, steps, capture);
+        start_cycle_counter(processor);
         let watchdog = Watchdog::start(device.IWDG);
 
         let hardware = Hardware {
@@ -149,11 +156,18 @@ impl Parts {
             steps: table.map(step_counter),
             fault_light: c.pc13.into_push_pull_output_in_state(PinState::High),
             tick_timer: TickTimer::new(device.TIM2, &mut rcc),
+            started_at: 0,
             switches: Switches::default(),
             conversions: Conversions::default(),
         };
         Ok(Self { hardware, drive, ports, interrupt, watchdog, flash: device.FLASH, previous_fault })
     }
+}
+
+/// Starts the counter of the clock cycles of the core.
+fn start_cycle_counter(mut processor: cortex_m::Peripherals) {
+    processor.DCB.enable_trace();
+    processor.DWT.enable_cycle_counter();
 }
 
 /// Counts of the converter for 0 V.
@@ -175,6 +189,7 @@ fn step_counter(axis: AxisTable) -> Option<StepCounter> {
 impl Hardware {
     /// The first step of a tick, at the start of the PWM period.
     pub fn begin_tick(&mut self) {
+        self.started_at = DWT::cycle_count();
         self.stages.begin_period();
         self.tick_timer.acknowledge();
         self.switches = Switches::read();
@@ -248,6 +263,10 @@ impl Board<AXES, DriveSignal> for Hardware {
 
     fn next_tick_due(&mut self) -> bool {
         self.tick_timer.is_due()
+    }
+
+    fn started_at(&mut self) -> Option<u32> {
+        Some(self.started_at)
     }
 }
 

@@ -224,7 +224,7 @@ pub fn homing(failure: HomingFailure) -> String {
 pub fn fault(fault: Fault) -> String {
     match fault {
         Fault::Axis { axis, kind } => format!("{}: {}", axis_name(axis), kind_text(kind)),
-        Fault::Overrun => "overrun: a tick did not end in time".into(),
+        Fault::Overrun => "overrun: a tick did not end in time, or was missed".into(),
         Fault::HardwareStop => "stopped by hardware: emergency stop, or a fault of a power stage".into(),
         Fault::EmergencyStop => "the emergency stop is pressed".into(),
         Fault::BusOvervoltage => "the bus voltage is too high".into(),

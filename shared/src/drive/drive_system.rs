@@ -9,6 +9,7 @@ use super::inputs::{Inputs, SupplyLimits};
 use super::limit_guard::LimitGuard;
 use super::output::{Demand, DriveOutput};
 use super::status_light::StatusLight;
+use super::tick_watch::{TickClock, TickCounts, TickWatch};
 use crate::feedback::{OriginShift, Reading};
 use crate::homing::Homing;
 use crate::machine::{Machine, Output};
@@ -35,6 +36,7 @@ pub struct DriveSystem<'m, S: Scalar, const N: usize, O = Amplifier<S>> {
     enabling: Enabling,
     supply_limits: SupplyLimits,
     limit_guard: LimitGuard<N>,
+    pub(super) tick_watch: TickWatch,
     /// Origin of each axis, from the position at power-up.
     pub(super) origins: [OriginShift; N],
     /// The homing that runs or that ran last, and its axis.
@@ -70,6 +72,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
             light,
             supply_limits: SupplyLimits::NONE,
             limit_guard: LimitGuard::new(),
+            tick_watch: TickWatch::new(None),
             origins: [OriginShift { motor: 0, table: 0 }; N],
             homing: None,
             direction_check_run: None,
@@ -120,6 +123,19 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
         self
     }
 
+    /// Sets how ticks are timed, and how many late and missed ones are no fault. Without it none is.
+    #[must_use]
+    pub const fn with_tick_clock(mut self, clock: TickClock) -> Self {
+        self.tick_watch = TickWatch::new(Some(clock));
+        self
+    }
+
+    /// Late and missed ticks since the start.
+    #[must_use]
+    pub fn tick_counts(&self) -> TickCounts {
+        self.tick_watch.counts()
+    }
+
     /// The machine.
     #[must_use]
     pub const fn machine(&self) -> &Machine<S, N> {
@@ -151,6 +167,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
 
     /// One tick, from the sensors to the power stages. It cannot fail; a fault that switches the drives off acts in the same tick.
     pub fn tick(&mut self, board: &mut impl Board<N, O::Signal>) -> Tick<S, N> {
+        self.tick_watch.started(board.started_at(), self.stages_enabled);
         let event = self.switch.update(board.enable_switch_closed());
         self.inputs = board.inputs();
         let from_power_up = board.readings();
@@ -188,10 +205,16 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
             self.disarm();
             self.machine.fault(Fault::HardwareStop);
         }
-        self.drive(board, &output.forces);
-        if board.next_tick_due() {
+        if self.tick_watch.is_exceeded() {
             self.machine.fault(Fault::Overrun);
-            self.drive(board, &output.forces);
+        }
+        self.drive(board, &output.forces);
+        if self.stages_enabled {
+            self.tick_watch.ended(board.next_tick_due());
+            if self.tick_watch.is_exceeded() {
+                self.machine.fault(Fault::Overrun);
+                self.drive(board, &output.forces);
+            }
         }
         board.set_light(self.light.is_lit(self.machine.power(), output.warning));
         Tick { readings: self.readings, output }

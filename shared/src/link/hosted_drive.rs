@@ -199,13 +199,14 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
     /// # Errors
     /// [`Refusal::Faulted`], [`Refusal::NotArmed`], [`Refusal::BrakesMove`].
     pub fn enable(&mut self) -> Result<(), Refusal> {
-        match self.machine().power() {
-            Power::On | Power::Enabling => Ok(()),
-            Power::Stopping(fault) | Power::Faulted(fault) | Power::Disabling(Some(fault)) => {
-                Err(Refusal::Faulted(fault))
-            }
-            Power::Disabling(None) => Err(Refusal::BrakesMove),
+        let power = self.machine().power();
+        if let Some(fault) = power.fault() {
+            return Err(Refusal::Faulted(fault));
+        }
+        match power {
             Power::Off => self.system.enable_by_host().map_err(|_| Refusal::NotArmed),
+            Power::On | Power::Enabling => Ok(()),
+            _ => Err(Refusal::BrakesMove),
         }
     }
 
@@ -226,15 +227,15 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
     /// # Errors
     /// [`Refusal::DrivesOff`], [`Refusal::Faulted`], [`Refusal::BrakesMove`], [`Refusal::Moving`].
     pub fn can_start(&self) -> Result<(), Refusal> {
-        match self.machine().power() {
-            Power::On => {}
-            Power::Off => return Err(Refusal::DrivesOff),
-            Power::Enabling | Power::Disabling(None) => return Err(Refusal::BrakesMove),
-            Power::Stopping(fault) | Power::Faulted(fault) | Power::Disabling(Some(fault)) => {
-                return Err(Refusal::Faulted(fault));
-            }
+        let power = self.machine().power();
+        if let Some(fault) = power.fault() {
+            return Err(Refusal::Faulted(fault));
         }
-        self.is_at_rest()
+        match power {
+            Power::On => self.is_at_rest(),
+            Power::Off => Err(Refusal::DrivesOff),
+            _ => Err(Refusal::BrakesMove),
+        }
     }
 
     /// Whether nothing moves.

@@ -8,8 +8,8 @@ use super::packet::AXES;
 use super::receiver::LinkCounts;
 use crate::capture::{CaptureState, ChannelSteps};
 use crate::config::Rates;
-use crate::drive::Supply;
 use crate::drive::direction_check::DirectionResult;
+use crate::drive::{Supply, TickCounts};
 use crate::homing::{HomingError, HomingSettings};
 use crate::interpolate::PathError;
 use crate::interpolate::feed_hold::FeedState;
@@ -256,6 +256,8 @@ pub struct Status {
     pub blocks_left: u16,
     /// Axes.
     pub axes: [AxisStatus; AXES],
+    /// Late and missed ticks.
+    pub ticks: TickCounts,
     /// Supply, as far as the board measures it.
     pub supply: Supply,
     /// The homing that ran last.

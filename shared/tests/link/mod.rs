@@ -18,6 +18,7 @@ mod rig;
 mod saving;
 mod silence;
 mod streams;
+mod ticks;
 mod two_ports;
 mod uploads;
 

@@ -104,6 +104,8 @@ pub struct TestPlant {
     pub switch_closed: bool,
     pub stopped: bool,
     pub scale_lost: bool,
+    /// Each tick ends late.
+    pub late: bool,
     /// Range in which the home switch of x is active, m.
     pub home_switch_m: Option<[f64; 2]>,
     /// Active limit switches of each axis, at the negative and the positive end.
@@ -162,7 +164,7 @@ impl Board<2, DriveSignal> for TestPlant {
     fn set_light(&mut self, _: bool) {}
 
     fn next_tick_due(&mut self) -> bool {
-        false
+        self.late
     }
 }
 

@@ -61,11 +61,9 @@ pub fn clear(arguments: &Arguments) -> Result<()> {
     let mut client = arguments.port.connect()?;
     let power = client.status()?.power;
     client.command(&Request::Clear)?;
-    print(match power {
-        Power::Faulted(_) | Power::Stopping(_) | Power::Disabling(Some(_)) => "The fault is acknowledged.",
-        Power::Off | Power::On | Power::Enabling | Power::Disabling(None) => {
-            "There is no fault to acknowledge."
-        }
+    print(match power.fault() {
+        Some(_) => "The fault is acknowledged.",
+        None => "There is no fault to acknowledge.",
     })
 }
 
@@ -99,10 +97,8 @@ pub fn stop(arguments: &Arguments) -> Result<()> {
         };
         match status.power {
             Power::On if !status.at_rest || status.activity != Activity::Idle => sleep(POLL),
-            Power::Stopping(_) | Power::Faulted(_) | Power::Disabling(Some(_)) => {
-                return Err(stopped(&status).into());
-            }
-            Power::On | Power::Off | Power::Enabling | Power::Disabling(None) => break,
+            power if power.fault().is_some() => return Err(stopped(&status).into()),
+            _ => break,
         }
     }
     print("The axes are at rest; the rest of the path is discarded.")

@@ -17,4 +17,5 @@ mod response;
 mod sensors;
 mod settings;
 mod silence;
+mod ticks;
 mod vertical;
