@@ -135,6 +135,8 @@ pub struct OperatorInputs {
     pub y_vertical: bool,
     /// The table of y carries 3 kg more.
     pub y_loaded: bool,
+    /// A hard stop is before x, at −60 mm of the machine.
+    pub x_stop: bool,
     /// The next tick with the power stages on takes one and a half periods.
     pub slow_tick: bool,
     /// The interrupts are held off for two periods.
@@ -158,6 +160,7 @@ impl Bench {
                 x_cogging: false,
                 y_vertical: false,
                 y_loaded: false,
+                x_stop: false,
                 slow_tick: false,
                 held_off: false,
             },
@@ -171,15 +174,19 @@ impl Bench {
 
     /// Moves the machine by the time of a tick.
     pub fn step(&mut self) {
-        let OperatorInputs { x_frozen, x_cogging, y_vertical: vertical, y_loaded: loaded, .. } =
+        let OperatorInputs { x_frozen, x_cogging, x_stop, y_vertical: vertical, y_loaded: loaded, .. } =
             self.operator_inputs;
         self.y_brake.step();
         let forces = if self.enabled { self.forces } else { [0.0; AXES] };
         let [x, y] = &mut self.axes;
         let motor_n = if x_cogging { cogging::force_n(x.motor()) } else { 0.0 };
-        x.step(forces[0], Surroundings { motor_n, ..Surroundings::default() }, x_frozen);
+        x.step(forces[0], Surroundings { motor_n, stopped: x_stop, ..Surroundings::default() }, x_frozen);
         let braked = vertical && self.y_brake.is_closed();
-        y.step(forces[1], Surroundings { motor_n: 0.0, vertical, loaded, braked }, Frozen::default());
+        y.step(
+            forces[1],
+            Surroundings { vertical, loaded, braked, ..Surroundings::default() },
+            Frozen::default(),
+        );
     }
 }
 

@@ -210,6 +210,14 @@ pub fn homing(failure: HomingFailure) -> String {
         HomingFailure::IndexTooCloseToSwitch => {
             "the index pulse is too close to the edge of the home switch: move the switch".into()
         }
+        HomingFailure::StopNotFound => "no hard stop within the search distance".into(),
+        HomingFailure::StopYields => {
+            "the axis moves on with the force at its limit: no hard stop, or friction that needs more force"
+                .into()
+        }
+        HomingFailure::HeldFast => {
+            "the axis does not move away from the hard stop: its friction needs more force".into()
+        }
         HomingFailure::LimitSwitch => "a limit switch was reached".into(),
         HomingFailure::ScaleMissing => "the scale has no signal".into(),
         HomingFailure::Timeout => "the homing took too long".into(),

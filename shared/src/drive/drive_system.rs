@@ -11,7 +11,7 @@ use super::output::{Demand, DriveOutput};
 use super::status_light::StatusLight;
 use super::tick_watch::{TickClock, TickCounts, TickWatch};
 use crate::feedback::{OriginShift, Reading};
-use crate::homing::Homing;
+use crate::homing::HomingRun;
 use crate::machine::{Machine, Output};
 use crate::safety::{Fault, FaultKind};
 use crate::scalar::Scalar;
@@ -40,7 +40,9 @@ pub struct DriveSystem<'m, S: Scalar, const N: usize, O = Amplifier<S>> {
     /// Origin of each axis, from the position at power-up.
     pub(super) origins: [OriginShift; N],
     /// The homing that runs or that ran last, and its axis.
-    pub(super) homing: Option<(usize, Homing)>,
+    pub(super) homing: Option<(usize, HomingRun)>,
+    /// Forces of the last tick.
+    pub(super) forces: [S; N],
     inputs: Inputs<N>,
     readings: [Reading; N],
     /// Whether the last tick has enabled the power stages.
@@ -75,6 +77,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
             tick_watch: TickWatch::new(None),
             origins: [OriginShift { motor: 0, table: 0 }; N],
             homing: None,
+            forces: [S::ZERO; N],
             direction_check_run: None,
             inputs: Inputs::NONE,
             readings: [Reading { motor: Position(0), table: None }; N],
@@ -196,6 +199,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
         }
         let was_on = self.machine.power().is_on();
         let output = self.machine.tick(&self.readings);
+        self.forces = output.forces;
         // Before the stages are enabled, so that stopped ones are not.
         self.check_inputs(&output.commands, was_on);
         if self.inputs.emergency_stop {

@@ -19,7 +19,7 @@ use crate::drive::direction_check::DirectionCheckSettings;
 use crate::drive::{AnyOutput, Board, DriveSignal, DriveSystem};
 use crate::excitation::Excitation;
 use crate::feedback::Reading;
-use crate::homing::{HomingError, HomingSettings, HomingStatus};
+use crate::homing::{HardStopSettings, HomingError, HomingSettings, HomingStatus};
 use crate::interpolate::feed_hold::FeedState;
 use crate::interpolate::{Block, PathError};
 use crate::machine::Machine;
@@ -308,9 +308,31 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
     /// As [`HostedDrive::can_start`]; [`Refusal::Homing`].
     pub fn home(&mut self, axis: usize, settings: &HomingSettings) -> Result<(), Refusal> {
         self.can_start()?;
-        self.system.home(axis, settings).map_err(|error: HomingError| Refusal::Homing(error.into()))?;
+        let started = self.system.home(axis, settings);
+        self.homing_started(started)
+    }
+
+    /// Starts to home an axis to a hard stop.
+    ///
+    /// # Errors
+    /// As [`HostedDrive::home`].
+    pub(in crate::link) fn home_to_stop(
+        &mut self,
+        axis: usize,
+        settings: &HardStopSettings,
+    ) -> Result<(), Refusal> {
+        self.can_start()?;
+        if !self.system.follows_force(axis) {
+            return Err(Refusal::NotAvailable);
+        }
+        let started = self.system.home_to_stop(axis, settings);
+        self.homing_started(started)
+    }
+
+    fn homing_started(&mut self, started: Result<(), HomingError>) -> Result<(), Refusal> {
+        started.map_err(|error| Refusal::Homing(error.into()))?;
         self.activity = Activity::Homing;
-        // Its speeds are those at which it finds its mark.
+        // Its speeds are those at which it finds its mark or stop.
         self.permit_override(100);
         Ok(())
     }

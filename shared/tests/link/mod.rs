@@ -7,6 +7,7 @@ mod envelope;
 mod excitation;
 mod garbage;
 mod halts;
+mod hard_stop;
 mod home;
 mod motions;
 mod order;

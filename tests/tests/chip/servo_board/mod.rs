@@ -8,6 +8,7 @@ mod drives;
 mod emulated_board;
 mod envelope;
 mod halts;
+mod hard_stop;
 mod idle;
 mod logs;
 mod overrides;
