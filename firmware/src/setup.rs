@@ -90,7 +90,13 @@ pub const TOLERATED_TICKS: u32 = 0;
 /// Clock of the core, Hz: its cycles time the ticks.
 const CORE_HZ: u32 = 168_000_000;
 
-/// How ticks are timed with a counter of a clock of `hz`; one slower than the ticks is no such counter.
+/// How the ticks of the board are timed.
+const TICK_CLOCK: TickClock = tick_clock(CORE_HZ);
+
+/// How ticks are timed with a counter of a clock of `hz`, Hz. For a constant: a slower clock is an error of the compiler.
+///
+/// # Panics
+/// If the clock is slower than the ticks.
 #[must_use]
 pub const fn tick_clock(hz: u32) -> TickClock {
     let Some(counts_per_tick) = NonZeroU32::new(hz / TICK_HZ) else {
@@ -244,7 +250,6 @@ pub fn drive_system(
     let [x, y] = core::hint::black_box(&TABLE);
     let outputs = [AnyOutput::new(&x.drive, full_counts, 1)?, AnyOutput::new(&y.drive, full_counts, 1)?];
     let (switch, light) = (EnableSwitch::new(SWITCH_SETTLING_TICKS), StatusLight::new(BLINK_TICKS));
-    const CLOCK: TickClock = tick_clock(CORE_HZ);
     let system = DriveSystem::new(machine, outputs, switch, light);
-    Ok(system.with_supply_limits(ENVELOPE.supply).with_tick_clock(CLOCK))
+    Ok(system.with_supply_limits(ENVELOPE.supply).with_tick_clock(TICK_CLOCK))
 }

@@ -65,6 +65,7 @@ pub struct Frozen {
 
 /// What acts on an axis beside its drive.
 #[derive(Clone, Copy, Debug, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a condition of its own")]
 pub struct Surroundings {
     /// Force on the motor, N.
     pub motor_n: f32,

@@ -80,6 +80,9 @@ const HOMING: HomingSettings = HomingSettings {
 /// Rate of the counter that times the ticks, Hz.
 pub const COUNTER_HZ: u32 = 25_000_000;
 
+/// How the ticks are timed.
+const TICK_CLOCK: TickClock = setup::tick_clock(COUNTER_HZ);
+
 /// PWM counts of full duty.
 const FULL_COUNTS: u16 = 8400;
 
@@ -264,7 +267,6 @@ pub fn drive_system(
     for axis in 0..AXES {
         machine.lose_reference(axis);
     }
-    const CLOCK: TickClock = setup::tick_clock(COUNTER_HZ);
     let system = DriveSystem::new(machine, outputs, switch, light);
-    Ok(system.with_supply_limits(ENVELOPE.supply).with_tick_clock(CLOCK))
+    Ok(system.with_supply_limits(ENVELOPE.supply).with_tick_clock(TICK_CLOCK))
 }

@@ -14,7 +14,6 @@ pub mod uart;
 pub mod usb;
 pub mod watchdog;
 
-use cortex_m::peripheral::DWT;
 use shared::axis::Reading;
 use shared::drive::step::StepCounter;
 use shared::drive::{AxisInputs, Board, DriveSettings, DriveSignal, Inputs, LinearInput, StepOutput, Supply};
@@ -49,8 +48,6 @@ pub struct Hardware {
     steps: [Option<StepCounter>; AXES],
     fault_light: PC13<Output>,
     tick_timer: TickTimer,
-    /// Count of the clock of the core at the start of the present tick.
-    started_at: u32,
     /// Inputs of the present tick.
     switches: Switches,
     conversions: Conversions,
@@ -80,14 +77,12 @@ fn linear_input([slope, offset]: [f64; 2]) -> Result<LinearInput, SetupError> {
 }
 
 impl Parts {
-    /// Initialises clocks, pins and timers, configures the machine, and starts the ticks with the drives off. `processor` has the counter of
-    /// its clock cycles.
+    /// Initialises clocks, pins and timers, configures the machine, and starts the ticks with the drives off.
     ///
     /// # Errors
     /// [`SetupError`] for an invalid value in [`setup`].
     pub fn new(
         device: Peripherals,
-        processor: cortex_m::Peripherals,
         machine: &'static mut Machine<Fixed, AXES>,
         queues: &'static mut uart::Queues,
     ) -> Result<Self, SetupError> {
@@ -143,7 +138,6 @@ impl Parts {
         let system = setup::drive_system(machine, stages.full_counts())?;
         let Identity { tick_hz, times, steps, .. } = &setup::IDENTITY;
         let drive = HostedDrive::new(system, *tick_hz, *times, steps, capture);
-        start_cycle_counter(processor);
         let watchdog = Watchdog::start(device.IWDG);
 
         let hardware = Hardware {
@@ -156,7 +150,6 @@ impl Parts {
             steps: table.map(step_counter),
             fault_light: c.pc13.into_push_pull_output_in_state(PinState::High),
             tick_timer: TickTimer::new(device.TIM2, &mut rcc),
-            started_at: 0,
             switches: Switches::default(),
             conversions: Conversions::default(),
         };
@@ -164,8 +157,8 @@ impl Parts {
     }
 }
 
-/// Starts the counter of the clock cycles of the core.
-fn start_cycle_counter(mut processor: cortex_m::Peripherals) {
+/// Starts the counter of the clock cycles of the core, by which the ticks are timed. To be called before they start.
+pub fn start_cycle_counter(mut processor: cortex_m::Peripherals) {
     processor.DCB.enable_trace();
     processor.DWT.enable_cycle_counter();
 }
@@ -189,7 +182,6 @@ fn step_counter(axis: AxisTable) -> Option<StepCounter> {
 impl Hardware {
     /// The first step of a tick, at the start of the PWM period.
     pub fn begin_tick(&mut self) {
-        self.started_at = DWT::cycle_count();
         self.stages.begin_period();
         self.tick_timer.acknowledge();
         self.switches = Switches::read();
@@ -266,7 +258,7 @@ impl Board<AXES, DriveSignal> for Hardware {
     }
 
     fn started_at(&mut self) -> Option<u32> {
-        Some(self.started_at)
+        Some(self.tick_timer.started_at())
     }
 }
 

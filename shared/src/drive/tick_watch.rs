@@ -115,7 +115,9 @@ mod tests {
     fn of_starts(starts: &[u32]) -> TickCounts {
         let mut watch = watch(0);
         watch.started(Some(starts[0].wrapping_sub(PERIOD)), false);
-        starts.iter().for_each(|&at| watch.started(Some(at), true));
+        for at in starts {
+            watch.started(Some(*at), true);
+        }
         watch.counts()
     }
 
@@ -166,7 +168,9 @@ mod tests {
     #[test]
     fn nothing_is_missed_while_the_stages_are_off() {
         let mut watch = watch(0);
-        [0, 90_000, 1_000_000].iter().for_each(|&at| watch.started(Some(at), false));
+        for at in [0, 90_000, 1_000_000] {
+            watch.started(Some(at), false);
+        }
         assert_eq!((watch.counts(), watch.is_exceeded()), (TickCounts::default(), false));
     }
 
