@@ -3,10 +3,12 @@
 //! Two screws of 5 mm lead with 5000-line encoders on their motors; 15 kg equivalent mass per axis. The values must be
 //! accepted by [`MachineConfig::new`] and [`AnyOutput::new`], which is verified by a test on the host.
 
+use core::num::NonZeroU32;
+
 use shared::capture::ChannelSteps;
 use shared::config::{AxisEnvelope, AxisSettings, Law, Rates, Sensors};
 use shared::drive::{
-    AnyOutput, DriveError, DriveSettings, DriveSystem, EnableSwitch, StatusLight, SupplyLimits,
+    AnyOutput, DriveError, DriveSettings, DriveSystem, EnableSwitch, StatusLight, SupplyLimits, TickClock,
 };
 use shared::feedback::resolver::ResolverSettings;
 use shared::homing::{AtLimit, Direction, HomingSettings, Mark};
@@ -81,6 +83,27 @@ const HOMING: HomingSettings = HomingSettings {
     at_limit: AtLimit::TurnRound,
     timeout_s: 60.0,
 };
+
+/// Late and missed ticks that are no fault while the drives are on: none. The loops are tuned for forces that change once in a tick.
+pub const TOLERATED_TICKS: u32 = 0;
+
+/// Clock of the core, Hz: its cycles time the ticks.
+const CORE_HZ: u32 = 168_000_000;
+
+/// How the ticks of the board are timed.
+const TICK_CLOCK: TickClock = tick_clock(CORE_HZ);
+
+/// How ticks are timed with a counter of a clock of `hz`, Hz. For a constant: a slower clock is an error of the compiler.
+///
+/// # Panics
+/// If the clock is slower than the ticks.
+#[must_use]
+pub const fn tick_clock(hz: u32) -> TickClock {
+    let Some(counts_per_tick) = NonZeroU32::new(hz / TICK_HZ) else {
+        panic!("a clock slower than the ticks")
+    };
+    TickClock { counts_per_tick, tolerated: TOLERATED_TICKS }
+}
 
 /// What is connected to the board.
 pub static TABLE: [AxisTable; AXES] = {
@@ -227,5 +250,6 @@ pub fn drive_system(
     let [x, y] = core::hint::black_box(&TABLE);
     let outputs = [AnyOutput::new(&x.drive, full_counts, 1)?, AnyOutput::new(&y.drive, full_counts, 1)?];
     let (switch, light) = (EnableSwitch::new(SWITCH_SETTLING_TICKS), StatusLight::new(BLINK_TICKS));
-    Ok(DriveSystem::new(machine, outputs, switch, light).with_supply_limits(ENVELOPE.supply))
+    let system = DriveSystem::new(machine, outputs, switch, light);
+    Ok(system.with_supply_limits(ENVELOPE.supply).with_tick_clock(TICK_CLOCK))
 }

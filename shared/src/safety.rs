@@ -42,7 +42,7 @@
 //! | encoder step | every tick | drives off | a motor cannot jump: the reading is wrong |
 //! | encoder frozen: the command has moved, the motor reading has not | every position tick | drives off | a broken wire or a blocked axis: the force would grow without feedback |
 //! | scale frozen: with a scale in the loop, the motor has moved and the scale has not (the reverse is a frozen encoder) | every position tick | drives off | a dead scale or a broken coupling: the motor would move without end |
-//! | overrun | every tick | drives off | the loops have missed their deadline |
+//! | overrun: more late or missed ticks than the board tolerates | every tick, while the power stages are enabled | drives off | the loops have missed their deadline |
 //! | hardware stop | every tick, by the board | drives off | emergency stop or a fault of a power stage; the hardware has already disabled the stage |
 //! | emergency stop | every tick, by the board | drives off | the hardware has cut the stages, or is about to |
 //! | drive fault | every tick, by the board | drives off | the drive does not follow the force |
@@ -161,7 +161,7 @@ pub enum Fault {
         /// What has failed.
         kind: FaultKind,
     },
-    /// A tick did not end before the next one was due.
+    /// A tick did not end before the next one was due, or its interrupt was lost, more often than the board tolerates.
     Overrun,
     /// The emergency stop, or a fault of a power stage, has disabled the stages in hardware.
     HardwareStop,
@@ -300,6 +300,15 @@ impl Power {
             (Self::On, Reaction::Stop) => Self::Stopping(fault),
             (Self::Enabling | Self::Disabling(None), Reaction::Stop) => Self::Disabling(Some(fault)),
             (state, _) => state,
+        }
+    }
+
+    /// The fault that stops the path, or has switched the drives off.
+    #[must_use]
+    pub const fn fault(self) -> Option<Fault> {
+        match self {
+            Self::Stopping(fault) | Self::Faulted(fault) | Self::Disabling(Some(fault)) => Some(fault),
+            Self::Off | Self::On | Self::Enabling | Self::Disabling(None) => None,
         }
     }
 

@@ -32,6 +32,17 @@ pub enum Watch {
     Read,
 }
 
+impl Watch {
+    /// Its kind, address and size in a request.
+    fn at(self, address: u32) -> String {
+        match self {
+            Self::Run => format!("0,{address:x},2"),
+            Self::Write => format!("2,{address:x},4"),
+            Self::Read => format!("3,{address:x},4"),
+        }
+    }
+}
+
 /// Why the target has halted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Halt {
@@ -180,11 +191,15 @@ impl Target {
     /// # Errors
     /// Where the target refuses.
     pub fn watch(&mut self, watch: Watch, address: u32) -> Result<(), GdbError> {
-        match watch {
-            Watch::Run => self.command(&format!("Z0,{address:x},2")),
-            Watch::Write => self.command(&format!("Z2,{address:x},4")),
-            Watch::Read => self.command(&format!("Z3,{address:x},4")),
-        }
+        self.command(&format!("Z{}", watch.at(address)))
+    }
+
+    /// Removes a breakpoint or watchpoint.
+    ///
+    /// # Errors
+    /// Where the target refuses.
+    pub fn unwatch(&mut self, watch: Watch, address: u32) -> Result<(), GdbError> {
+        self.command(&format!("z{}", watch.at(address)))
     }
 
     /// Lets the target run, until [`Target::halted`] reports a halt.

@@ -27,6 +27,12 @@ pub const TABLE_MASS_KG: f32 = 9.0;
 pub const STIFFNESS_N_PER_M: f32 = 50e6;
 /// Damping of the screw, N·s/m.
 pub const DAMPING_N_S_PER_M: f32 = 5000.0;
+/// Position of the table at which the hard stop begins that can be put before x, in the negative direction, m.
+pub const STOP_M: f64 = -0.06;
+/// Stiffness of the hard stop, N/m.
+pub const STOP_N_PER_M: f32 = 10e6;
+/// Damping of the hard stop, N·s/m.
+pub const STOP_N_S_PER_M: f32 = 3000.0;
 /// Mass that can be put on the table, kg.
 pub const ADDED_MASS_KG: f32 = 3.0;
 /// Acceleration of gravity, m/s².
@@ -59,6 +65,7 @@ pub struct Frozen {
 
 /// What acts on an axis beside its drive.
 #[derive(Clone, Copy, Debug, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a condition of its own")]
 pub struct Surroundings {
     /// Force on the motor, N.
     pub motor_n: f32,
@@ -68,6 +75,8 @@ pub struct Surroundings {
     pub loaded: bool,
     /// Its brake is closed.
     pub braked: bool,
+    /// The hard stop at [`STOP_M`] is there.
+    pub stopped: bool,
 }
 
 /// An axis.
@@ -123,7 +132,8 @@ impl AxisPlant {
             if surroundings.braked {
                 self.motor_velocity -= within(self.motor_velocity, STEP_S / MOTOR_MASS_KG * BRAKE_N);
             }
-            let moving = screw_n - weight_n - VISCOUS_N_S_PER_M * self.table_velocity;
+            let stop_n = if surroundings.stopped { self.stop_force() } else { 0.0 };
+            let moving = screw_n - weight_n + stop_n - VISCOUS_N_S_PER_M * self.table_velocity;
             let free = self.table_velocity + STEP_S / table_mass_kg * moving;
             let friction = STEP_S / table_mass_kg * COULOMB_N;
             self.table_velocity = free - within(free, friction);
@@ -189,6 +199,12 @@ impl AxisPlant {
         }
     }
 
+    /// Force of the hard stop on the table, N: it can only push.
+    fn stop_force(&self) -> f32 {
+        let depth = STOP.wrapping_sub(self.table) as f32 / UNITS;
+        if depth > 0.0 { (STOP_N_PER_M * depth - STOP_N_S_PER_M * self.table_velocity).max(0.0) } else { 0.0 }
+    }
+
     /// Encoder and scale in whole counts.
     pub fn reading(&self) -> Reading {
         Reading { motor: self.counted(self.read_motor), table: Some(self.counted(self.read_table)) }
@@ -198,6 +214,10 @@ impl AxisPlant {
 /// Lead, position units.
 #[expect(clippy::cast_possible_truncation, reason = "within the travel")]
 pub(super) const LEAD: i64 = (LEAD_M * PER_M) as i64;
+
+/// Position of the hard stop, position units.
+#[expect(clippy::cast_possible_truncation, reason = "within the travel")]
+const STOP: i64 = (STOP_M * PER_M) as i64;
 
 /// Position of an index pulse, position units.
 #[expect(clippy::cast_possible_truncation, reason = "within the travel")]

@@ -12,7 +12,7 @@ use shared::capture::ChannelSteps;
 use shared::config::{AxisEnvelope, AxisSettings};
 use shared::drive::{
     Amplifier, AnyOutput, AxisInputs, Board, DriveSignal, DriveSystem, Duty, EnableSwitch, Inputs,
-    StatusLight, Supply, SupplyLimits,
+    StatusLight, Supply, SupplyLimits, TickClock,
 };
 use shared::feedback::Reading;
 use shared::homing::{AtLimit, Direction, HomingSettings, Mark};
@@ -77,6 +77,12 @@ const HOMING: HomingSettings = HomingSettings {
     timeout_s: 60.0,
 };
 
+/// Rate of the counter that times the ticks, Hz.
+pub const COUNTER_HZ: u32 = 25_000_000;
+
+/// How the ticks are timed.
+const TICK_CLOCK: TickClock = setup::tick_clock(COUNTER_HZ);
+
 /// PWM counts of full duty.
 const FULL_COUNTS: u16 = 8400;
 
@@ -132,6 +138,12 @@ pub struct OperatorInputs {
     pub y_vertical: bool,
     /// The table of y carries 3 kg more.
     pub y_loaded: bool,
+    /// A hard stop is before x, at −60 mm of the machine.
+    pub x_stop: bool,
+    /// The next tick with the power stages on takes one and a half periods.
+    pub slow_tick: bool,
+    /// The interrupts are held off for two periods.
+    pub held_off: bool,
 }
 
 impl Bench {
@@ -151,6 +163,9 @@ impl Bench {
                 x_cogging: false,
                 y_vertical: false,
                 y_loaded: false,
+                x_stop: false,
+                slow_tick: false,
+                held_off: false,
             },
         }
     }
@@ -162,15 +177,19 @@ impl Bench {
 
     /// Moves the machine by the time of a tick.
     pub fn step(&mut self) {
-        let OperatorInputs { x_frozen, x_cogging, y_vertical: vertical, y_loaded: loaded, .. } =
+        let OperatorInputs { x_frozen, x_cogging, x_stop, y_vertical: vertical, y_loaded: loaded, .. } =
             self.operator_inputs;
         self.y_brake.step();
         let forces = if self.enabled { self.forces } else { [0.0; AXES] };
         let [x, y] = &mut self.axes;
         let motor_n = if x_cogging { cogging::force_n(x.motor()) } else { 0.0 };
-        x.step(forces[0], Surroundings { motor_n, ..Surroundings::default() }, x_frozen);
+        x.step(forces[0], Surroundings { motor_n, stopped: x_stop, ..Surroundings::default() }, x_frozen);
         let braked = vertical && self.y_brake.is_closed();
-        y.step(forces[1], Surroundings { motor_n: 0.0, vertical, loaded, braked }, Frozen::default());
+        y.step(
+            forces[1],
+            Surroundings { vertical, loaded, braked, ..Surroundings::default() },
+            Frozen::default(),
+        );
     }
 }
 
@@ -248,5 +267,6 @@ pub fn drive_system(
     for axis in 0..AXES {
         machine.lose_reference(axis);
     }
-    Ok(DriveSystem::new(machine, outputs, switch, light).with_supply_limits(ENVELOPE.supply))
+    let system = DriveSystem::new(machine, outputs, switch, light);
+    Ok(system.with_supply_limits(ENVELOPE.supply).with_tick_clock(TICK_CLOCK))
 }

@@ -14,7 +14,7 @@ mod app {
     use firmware::board::uart::{Queues, UartInterrupt};
     use firmware::board::usb::{self, Ports};
     use firmware::board::watchdog::Watchdog;
-    use firmware::board::{Hardware, Parts};
+    use firmware::board::{Hardware, Parts, start_cycle_counter};
     use firmware::setup::{AXES, IDENTITY, LINK_SETTINGS};
     use rtic::Mutex;
     use shared::link::{Server, SettingsMemory, SharedDrive};
@@ -44,6 +44,7 @@ mod app {
     ])]
     fn init(context: init::Context) -> (Shared, Local) {
         let init::LocalResources { machine, queues, .. } = context.local;
+        start_cycle_counter(context.core);
         let parts = Parts::new(context.device, machine, queues);
         let Parts { hardware, drive, ports, interrupt, watchdog, flash, previous_fault } =
             parts.expect("the values are verified by a test on the host");

@@ -12,7 +12,7 @@ use cortex_m::interrupt::{self, Mutex};
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{NVIC, SCB, SYST};
 use cortex_m_rt::{entry, exception};
-use firmware::bench::{Bench, IDENTITY, SETTINGS, drive_system};
+use firmware::bench::{Bench, COUNTER_HZ, IDENTITY, SETTINGS, drive_system};
 use firmware::emulator::end;
 use firmware::servo::{END, Uart, operate, settings_memory};
 use firmware::setup::{AXES, TICK_HZ};
@@ -24,6 +24,12 @@ use shared::scalar::Fixed;
 
 /// Clock of the system timer, Hz.
 const CLOCK_HZ: u32 = 25_000_000;
+
+/// The counter of the board, which runs freely at [`COUNTER_HZ`].
+const COUNTER: *const u32 = 0x4002_8018 as *const u32;
+
+/// Its counts in a period of the ticks.
+const COUNTS_PER_TICK: u32 = COUNTER_HZ / TICK_HZ;
 
 /// Memory for a recording, bytes: half a second of both axes at 20 kHz.
 const CAPTURE_BYTES: usize = 80 * 1024;
@@ -56,56 +62,78 @@ struct Plant {
 /// Used by the tick and, between ticks, by the idle loop.
 static PLANT: Mutex<RefCell<Option<Plant>>> = Mutex::new(RefCell::new(None));
 
+/// The present count of the counter.
+fn count() -> u32 {
+    // SAFETY: a register of the chip, and a read has no effect.
+    unsafe { COUNTER.read_volatile() }
+}
+
+/// Waits until the counter has gone on by a number of counts since a count.
+fn wait_since(start: u32, counts: u32) {
+    while count().wrapping_sub(start) < counts {}
+}
+
 /// The bench as a board whose next tick is due when the system timer has expired again.
-struct Ticking<'a>(&'a mut Bench);
+struct Ticking<'a> {
+    bench: &'a mut Bench,
+    started_at: u32,
+}
 
 impl Board<AXES, DriveSignal> for Ticking<'_> {
     fn readings(&mut self) -> [Reading; AXES] {
-        self.0.readings()
+        self.bench.readings()
     }
 
     fn inputs(&mut self) -> Inputs<AXES> {
-        self.0.inputs()
+        self.bench.inputs()
     }
 
     fn enable_switch_closed(&mut self) -> bool {
-        self.0.enable_switch_closed()
+        self.bench.enable_switch_closed()
     }
 
     fn hardware_stop_active(&mut self) -> bool {
-        self.0.hardware_stop_active()
+        self.bench.hardware_stop_active()
     }
 
     fn set_signals(&mut self, signals: [DriveSignal; AXES]) {
-        self.0.set_signals(signals);
+        self.bench.set_signals(signals);
     }
 
     fn set_enabled(&mut self, enabled: bool) {
-        self.0.set_enabled(enabled);
+        self.bench.set_enabled(enabled);
     }
 
     fn set_brakes_open(&mut self, open: bool) {
-        self.0.set_brakes_open(open);
+        self.bench.set_brakes_open(open);
     }
 
     fn set_light(&mut self, lit: bool) {
-        self.0.set_light(lit);
+        self.bench.set_light(lit);
     }
 
     fn next_tick_due(&mut self) -> bool {
+        if core::mem::take(&mut self.bench.operator_inputs().slow_tick) {
+            wait_since(self.started_at, COUNTS_PER_TICK * 3 / 2);
+        }
         SCB::is_pendst_pending()
+    }
+
+    fn started_at(&mut self) -> Option<u32> {
+        Some(self.started_at)
     }
 }
 
 #[exception]
 fn SysTick() {
+    let started_at = count();
     interrupt::free(|section| {
         // Borrowed nowhere else: the idle loop borrows it with interrupts disabled.
         if let Ok(mut plant) = PLANT.borrow(section).try_borrow_mut()
             && let Some(Plant { drive, bench }) = plant.as_mut()
         {
             bench.step();
-            drive.tick(&mut Ticking(bench));
+            drive.tick(&mut Ticking { bench, started_at });
             drive.skip(PACE.load(Ordering::Relaxed) - 1);
         }
     });
@@ -174,6 +202,9 @@ fn run() -> Option<()> {
                     end(true);
                 }
                 let known = with_plant(|plant| operate(plant.bench.operator_inputs(), byte));
+                if with_plant(|plant| core::mem::take(&mut plant.bench.operator_inputs().held_off)) {
+                    hold_off_ticks();
+                }
                 (confirmed, settled_at) = (Some(if known { byte } else { b'?' }), now + SETTLED_TICKS);
                 active = true;
             }
@@ -190,6 +221,15 @@ fn run() -> Option<()> {
             wait(awake);
         }
     }
+}
+
+/// Holds off the ticks for two periods, from behind one on: the second tick is due before the first one can start.
+fn hold_off_ticks() {
+    let tick = || with_plant(|plant| plant.drive.now());
+    let last = tick();
+    while tick() == last {}
+    let start = count();
+    interrupt::free(|_| wait_since(start, 2 * COUNTS_PER_TICK));
 }
 
 /// Sets how many ticks a tick stands for.

@@ -23,6 +23,7 @@ use shared::machine::Machine;
 use shared::safety::Fault;
 use shared::scalar::Fixed;
 use stm32f4xx_hal::gpio::{Output, PC13, PinState, Pull};
+
 use stm32f4xx_hal::pac::{FLASH, Peripherals};
 use stm32f4xx_hal::prelude::*;
 
@@ -156,6 +157,12 @@ impl Parts {
     }
 }
 
+/// Starts the counter of the clock cycles of the core, by which the ticks are timed. To be called before they start.
+pub fn start_cycle_counter(mut processor: cortex_m::Peripherals) {
+    processor.DCB.enable_trace();
+    processor.DWT.enable_cycle_counter();
+}
+
 /// Counts of the converter for 0 V.
 const fn zero_volts(axis: AxisTable) -> u16 {
     match axis.drive {
@@ -248,6 +255,10 @@ impl Board<AXES, DriveSignal> for Hardware {
 
     fn next_tick_due(&mut self) -> bool {
         self.tick_timer.is_due()
+    }
+
+    fn started_at(&mut self) -> Option<u32> {
+        Some(self.tick_timer.started_at())
     }
 }
 

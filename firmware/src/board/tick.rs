@@ -1,5 +1,6 @@
 //! The tick: an interrupt of TIM2 at the start of each PWM period.
 
+use cortex_m::peripheral::DWT;
 use stm32f4xx_hal::pac::TIM2;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
@@ -13,7 +14,11 @@ const EXTRA_COUNTS: u32 = 64;
 const CONVERSION_COUNTS: u32 = 600;
 
 /// The timer of the ticks.
-pub struct TickTimer(TIM2);
+pub struct TickTimer {
+    timer: TIM2,
+    /// Cycles of the core at the start of the present tick.
+    started_at: u32,
+}
 
 impl TickTimer {
     /// Starts the ticks, reset by each update of TIM1 (ITR0) so that they keep its phase.
@@ -31,16 +36,22 @@ impl TickTimer {
         timer.sr().write(|w| w.uif().clear_bit());
         timer.dier().write(|w| w.uie().set_bit());
         timer.cr1().write(|w| w.cen().set_bit());
-        Self(timer)
+        Self { timer, started_at: 0 }
     }
 
-    /// Clears the interrupt flag. If it is set again during the tick, the next tick is due.
+    /// The start of a tick: clears the interrupt flag. If it is set again during the tick, the next tick is due.
     pub fn acknowledge(&mut self) {
-        self.0.sr().write(|w| w.uif().clear_bit());
+        self.started_at = DWT::cycle_count();
+        self.timer.sr().write(|w| w.uif().clear_bit());
+    }
+
+    /// The count of the clock cycles of the core at the start of the present tick.
+    pub const fn started_at(&self) -> u32 {
+        self.started_at
     }
 
     /// Whether the next tick is due.
     pub fn is_due(&self) -> bool {
-        self.0.sr().read().uif().bit_is_set()
+        self.timer.sr().read().uif().bit_is_set()
     }
 }

@@ -17,6 +17,8 @@ pub const END: u8 = b'q';
 /// | `w`, `n` | the x motor has cogging, has none |
 /// | `v`, `h` | y is vertical with a brake, horizontal |
 /// | `a`, `d` | puts 3 kg on the table of y, takes them away |
+/// | `b`, `u` | puts a hard stop before x, takes it away |
+/// | `s`, `i` | makes the next tick with the stages on slow, holds off the interrupts of the ticks |
 pub fn operate(operator_inputs: &mut OperatorInputs, byte: u8) -> bool {
     let (input, on) = match byte {
         b'c' => (&mut operator_inputs.enable_switch, true),
@@ -35,6 +37,10 @@ pub fn operate(operator_inputs: &mut OperatorInputs, byte: u8) -> bool {
         b'h' => (&mut operator_inputs.y_vertical, false),
         b'a' => (&mut operator_inputs.y_loaded, true),
         b'd' => (&mut operator_inputs.y_loaded, false),
+        b'b' => (&mut operator_inputs.x_stop, true),
+        b'u' => (&mut operator_inputs.x_stop, false),
+        b's' => (&mut operator_inputs.slow_tick, true),
+        b'i' => (&mut operator_inputs.held_off, true),
         _ => return false,
     };
     *input = on;

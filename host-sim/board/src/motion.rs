@@ -85,13 +85,11 @@ impl Client {
 /// The error for drives that are not on.
 #[must_use]
 pub fn stopped(status: &Status) -> BoardError {
-    BoardError::Stopped(match status.power {
-        Power::Stopping(fault) | Power::Faulted(fault) | Power::Disabling(Some(fault)) => {
+    BoardError::Stopped(match status.power.fault() {
+        Some(fault) => {
             format!("the drives have stopped: {}; `board clear` acknowledges it", refusal::fault(fault))
         }
-        Power::Off | Power::Disabling(None) => {
-            "the drives have gone off: the enable switch was opened, or they were disabled".to_owned()
-        }
-        Power::On | Power::Enabling => "the drives are on".to_owned(),
+        None if matches!(status.power, Power::On | Power::Enabling) => "the drives are on".to_owned(),
+        None => "the drives have gone off: the enable switch was opened, or they were disabled".to_owned(),
     })
 }

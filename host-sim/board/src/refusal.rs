@@ -210,6 +210,14 @@ pub fn homing(failure: HomingFailure) -> String {
         HomingFailure::IndexTooCloseToSwitch => {
             "the index pulse is too close to the edge of the home switch: move the switch".into()
         }
+        HomingFailure::StopNotFound => "no hard stop within the search distance".into(),
+        HomingFailure::StopYields => {
+            "the axis moves on with the force at its limit: no hard stop, or friction that needs more force"
+                .into()
+        }
+        HomingFailure::HeldFast => {
+            "the axis does not move away from the hard stop: its friction needs more force".into()
+        }
         HomingFailure::LimitSwitch => "a limit switch was reached".into(),
         HomingFailure::ScaleMissing => "the scale has no signal".into(),
         HomingFailure::Timeout => "the homing took too long".into(),
@@ -224,7 +232,7 @@ pub fn homing(failure: HomingFailure) -> String {
 pub fn fault(fault: Fault) -> String {
     match fault {
         Fault::Axis { axis, kind } => format!("{}: {}", axis_name(axis), kind_text(kind)),
-        Fault::Overrun => "overrun: a tick did not end in time".into(),
+        Fault::Overrun => "overrun: a tick did not end in time, or was missed".into(),
         Fault::HardwareStop => "stopped by hardware: emergency stop, or a fault of a power stage".into(),
         Fault::EmergencyStop => "the emergency stop is pressed".into(),
         Fault::BusOvervoltage => "the bus voltage is too high".into(),

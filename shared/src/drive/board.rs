@@ -38,4 +38,10 @@ pub trait Board<const N: usize, Signal = Duty> {
 
     /// Whether the next tick is already due.
     fn next_tick_due(&mut self) -> bool;
+
+    /// Count at the start of this tick of a counter that runs freely over all 32 bits ([`TickClock`](super::tick_watch::TickClock)).
+    /// A board without one keeps the default: lost interrupts are then not noticed.
+    fn started_at(&mut self) -> Option<u32> {
+        None
+    }
 }

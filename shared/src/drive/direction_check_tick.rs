@@ -81,7 +81,7 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
         self.machine_mut().disable();
         let output = self.machine_mut().tick(readings);
         let hardware_stop = board.hardware_stop_active();
-        let has_fault = self.has_input_fault() || hardware_stop;
+        let has_fault = self.has_input_fault() || hardware_stop || self.tick_watch.is_exceeded();
         let Some(DirectionCheckRun { check, force }) = &mut self.direction_check_run else { return output };
         match event {
             Some(SwitchEvent::Enable) => check.start(readings),
@@ -99,9 +99,12 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
         let pushing = check.is_pushing();
         self.pass_on(board, pushing.then_some(&forces));
         // One that waits has no force that could be late.
-        if pushing && board.next_tick_due() {
-            self.stop_direction_check();
-            self.pass_on(board, None);
+        if pushing {
+            self.tick_watch.ended(board.next_tick_due());
+            if self.tick_watch.is_exceeded() {
+                self.stop_direction_check();
+                self.pass_on(board, None);
+            }
         }
         output
     }

@@ -9,8 +9,9 @@ use super::inputs::{Inputs, SupplyLimits};
 use super::limit_guard::LimitGuard;
 use super::output::{Demand, DriveOutput};
 use super::status_light::StatusLight;
+use super::tick_watch::{TickClock, TickCounts, TickWatch};
 use crate::feedback::{OriginShift, Reading};
-use crate::homing::Homing;
+use crate::homing::HomingRun;
 use crate::machine::{Machine, Output};
 use crate::safety::{Fault, FaultKind};
 use crate::scalar::Scalar;
@@ -35,10 +36,13 @@ pub struct DriveSystem<'m, S: Scalar, const N: usize, O = Amplifier<S>> {
     enabling: Enabling,
     supply_limits: SupplyLimits,
     limit_guard: LimitGuard<N>,
+    pub(super) tick_watch: TickWatch,
     /// Origin of each axis, from the position at power-up.
     pub(super) origins: [OriginShift; N],
     /// The homing that runs or that ran last, and its axis.
-    pub(super) homing: Option<(usize, Homing)>,
+    pub(super) homing: Option<(usize, HomingRun)>,
+    /// Forces of the last tick.
+    pub(super) forces: [S; N],
     inputs: Inputs<N>,
     readings: [Reading; N],
     /// Whether the last tick has enabled the power stages.
@@ -70,8 +74,10 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
             light,
             supply_limits: SupplyLimits::NONE,
             limit_guard: LimitGuard::new(),
+            tick_watch: TickWatch::new(None),
             origins: [OriginShift { motor: 0, table: 0 }; N],
             homing: None,
+            forces: [S::ZERO; N],
             direction_check_run: None,
             inputs: Inputs::NONE,
             readings: [Reading { motor: Position(0), table: None }; N],
@@ -120,6 +126,19 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
         self
     }
 
+    /// Sets how ticks are timed, and how many late and missed ones are no fault. Without it none is.
+    #[must_use]
+    pub const fn with_tick_clock(mut self, clock: TickClock) -> Self {
+        self.tick_watch = TickWatch::new(Some(clock));
+        self
+    }
+
+    /// Late and missed ticks since the start.
+    #[must_use]
+    pub fn tick_counts(&self) -> TickCounts {
+        self.tick_watch.counts()
+    }
+
     /// The machine.
     #[must_use]
     pub const fn machine(&self) -> &Machine<S, N> {
@@ -151,6 +170,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
 
     /// One tick, from the sensors to the power stages. It cannot fail; a fault that switches the drives off acts in the same tick.
     pub fn tick(&mut self, board: &mut impl Board<N, O::Signal>) -> Tick<S, N> {
+        self.tick_watch.started(board.started_at(), self.stages_enabled);
         let event = self.switch.update(board.enable_switch_closed());
         self.inputs = board.inputs();
         let from_power_up = board.readings();
@@ -179,6 +199,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
         }
         let was_on = self.machine.power().is_on();
         let output = self.machine.tick(&self.readings);
+        self.forces = output.forces;
         // Before the stages are enabled, so that stopped ones are not.
         self.check_inputs(&output.commands, was_on);
         if self.inputs.emergency_stop {
@@ -188,10 +209,16 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
             self.disarm();
             self.machine.fault(Fault::HardwareStop);
         }
-        self.drive(board, &output.forces);
-        if board.next_tick_due() {
+        if self.tick_watch.is_exceeded() {
             self.machine.fault(Fault::Overrun);
-            self.drive(board, &output.forces);
+        }
+        self.drive(board, &output.forces);
+        if self.stages_enabled {
+            self.tick_watch.ended(board.next_tick_due());
+            if self.tick_watch.is_exceeded() {
+                self.machine.fault(Fault::Overrun);
+                self.drive(board, &output.forces);
+            }
         }
         board.set_light(self.light.is_lit(self.machine.power(), output.warning));
         Tick { readings: self.readings, output }

@@ -3,7 +3,10 @@
 use super::drive_system::DriveSystem;
 use super::output::DriveOutput;
 use crate::feedback::Reading;
-use crate::homing::{Homing, HomingAction, HomingError, HomingInput, HomingSettings, HomingStatus};
+use crate::homing::{
+    Direction, HardStop, HardStopSettings, Homing, HomingAction, HomingError, HomingInput, HomingRun,
+    HomingSettings, HomingStatus,
+};
 use crate::interpolate::{Block, PathError};
 use crate::safety::Power;
 use crate::scalar::Scalar;
@@ -17,19 +20,46 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
     /// [`HomingError::NotReady`] unless the drives are on, the axes at rest and no homing runs; [`HomingError::Setting`].
     /// Nothing is changed then.
     pub fn home(&mut self, axis: usize, settings: &HomingSettings) -> Result<(), HomingError> {
+        let tick_hz = self.ready_to_home(axis)?;
+        let homing = Homing::new(settings, tick_hz, self.machine().uses_scale(axis))?;
+        self.start_homing(axis, HomingRun::ToMark(homing));
+        Ok(())
+    }
+
+    /// Starts to home an axis to a hard stop, as [`DriveSystem::home`]. Its force is limited until the homing has ended.
+    ///
+    /// # Errors
+    /// As [`DriveSystem::home`].
+    pub fn home_to_stop(&mut self, axis: usize, settings: &HardStopSettings) -> Result<(), HomingError> {
+        let tick_hz = self.ready_to_home(axis)?;
+        let homing = HardStop::new(settings, tick_hz, self.machine().uses_scale(axis))?;
+        self.start_homing(axis, HomingRun::ToStop(homing));
+        Ok(())
+    }
+
+    /// The tick rate, Hz, if a homing of an axis may start.
+    fn ready_to_home(&self, axis: usize) -> Result<f64, HomingError> {
         let rates = self.machine().rates().filter(|_| axis < N).ok_or(HomingError::NotReady)?;
-        let is_homing = self.homing.as_ref().is_some_and(|(_, homing)| homing.is_running());
-        if is_homing
+        if self.is_homing()
             || self.is_checking()
             || self.machine().power() != Power::On
             || !self.machine().is_at_rest()
         {
             return Err(HomingError::NotReady);
         }
-        let homing = Homing::new(settings, rates.velocity_loop_hz, self.machine().uses_scale(axis))?;
+        Ok(rates.velocity_loop_hz)
+    }
+
+    /// Whether a homing runs.
+    fn is_homing(&self) -> bool {
+        self.homing.as_ref().is_some_and(|(_, homing)| homing.is_running())
+    }
+
+    fn start_homing(&mut self, axis: usize, homing: HomingRun) {
         self.machine_mut().lose_reference(axis);
+        let limit = homing.force_limit_n().map(S::signal);
+        self.machine_mut().limit_force(axis, limit);
         self.homing = Some((axis, homing));
-        Ok(())
     }
 
     /// Axis and state of the homing that runs or that ran last.
@@ -40,8 +70,10 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
 
     /// Stops a homing; the axis decelerates to rest. No effect if none runs.
     pub fn stop_homing(&mut self) {
-        if let Some((_, homing)) = self.homing.as_mut().filter(|(_, homing)| homing.is_running()) {
+        if let Some((axis, homing)) = self.homing.as_mut().filter(|(_, homing)| homing.is_running()) {
             homing.stop();
+            let axis = *axis;
+            self.machine_mut().limit_force(axis, None);
             self.machine_mut().halt();
         }
     }
@@ -68,8 +100,12 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
 
     /// The motion of [`DriveSystem::homing_leg`] was appended to the path, or rejected by it.
     pub fn homing_leg_planned(&mut self, planned: Result<(), PathError>) {
-        if let Some((_, homing)) = &mut self.homing {
+        if let Some((axis, homing)) = &mut self.homing {
             homing.leg_planned(planned);
+            let axis = *axis;
+            if !self.is_homing() {
+                self.machine_mut().limit_force(axis, None);
+            }
         }
     }
 
@@ -77,22 +113,40 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
     pub(super) fn home_tick(&mut self, from_power_up: &[Reading; N]) {
         let (at_rest, is_on) = (self.machine().is_at_rest(), self.machine().power() == Power::On);
         let axis_inputs = self.inputs().axes;
-        let Some((axis, homing)) = &mut self.homing else { return };
-        let axis = *axis;
-        let (Some(input), Some(reading), Some(origin)) =
-            (axis_inputs.get(axis), from_power_up.get(axis), self.origins.get(axis))
-        else {
+        let (commands, forces) = (self.machine().command(), self.forces);
+        let Some(axis) = self.homing.as_ref().map(|(axis, _)| *axis) else { return };
+        let (Some(input), Some(reading), Some(command), Some(force), Some(origin)) = (
+            axis_inputs.get(axis),
+            from_power_up.get(axis),
+            commands.get(axis),
+            forces.get(axis),
+            self.origins.get(axis),
+        ) else {
             return;
         };
+        let at_force_limit = match self.machine().is_at_force_limit(axis, *force) {
+            [true, _] => Some(Direction::Positive),
+            [_, true] => Some(Direction::Negative),
+            _ => None,
+        };
+        let Some((_, homing)) = &mut self.homing else { return };
+        if !homing.is_running() {
+            return;
+        }
         let action = homing.tick(&HomingInput {
             home: input.home,
             limits: input.limits,
             reading: reading.shifted(*origin),
+            command: *command,
+            at_force_limit,
             motor_index: input.motor_index.map(|index| index + origin.motor),
             scale_index: input.scale_index.map(|index| index + origin.table),
             at_rest,
             is_on,
         });
+        if !homing.is_running() {
+            self.machine_mut().limit_force(axis, None);
+        }
         match action {
             None => {}
             Some(HomingAction::Halt) => self.machine_mut().halt(),

@@ -19,6 +19,7 @@ pub mod linear_input;
 pub mod output;
 pub mod status_light;
 pub mod step;
+pub mod tick_watch;
 
 pub use amplifier::{Amplifier, DriveError, Duty};
 pub use any_output::{AnyOutput, DriveSettings, DriveSignal};
@@ -31,3 +32,4 @@ pub use linear_input::LinearInput;
 pub use output::{Demand, DriveOutput};
 pub use status_light::StatusLight;
 pub use step::StepOutput;
+pub use tick_watch::{TickClock, TickCounts};

@@ -28,11 +28,6 @@ impl StatusLight {
         if self.ticks >= 2 * self.half_period_ticks {
             self.ticks = 0;
         }
-        match power {
-            Power::Faulted(_) | Power::Stopping(_) | Power::Disabling(Some(_)) => true,
-            Power::On | Power::Off | Power::Enabling | Power::Disabling(None) => {
-                warning.is_some() && self.ticks < self.half_period_ticks
-            }
-        }
+        power.fault().is_some() || warning.is_some() && self.ticks < self.half_period_ticks
     }
 }

@@ -18,6 +18,12 @@ pub enum HomingError {
     /// The index pulse is within a sixteenth of the spacing from the edge of the switch: the next homing could find the
     /// neighbouring pulse. The switch has to be moved by about a quarter of the spacing.
     IndexTooCloseToSwitch,
+    /// The force has not reached its limit, or the axis has not stood at it, within the search distance: there is no hard stop.
+    StopNotFound,
+    /// The axis moves on with the force at its limit: what it pushes gives way, or its friction needs more force.
+    StopYields,
+    /// The axis does not move away from the hard stop: the force limit is below its friction.
+    HeldFast,
     /// A limit switch that does not belong to this part of the homing.
     LimitSwitch,
     /// There is no reading of the scale that the axis uses.
@@ -44,6 +50,11 @@ impl core::fmt::Display for HomingError {
             Self::IndexTooCloseToSwitch => {
                 "the index pulse is too close to the edge of the home switch: move the switch by a quarter of the spacing"
             }
+            Self::StopNotFound => "no hard stop within the search distance",
+            Self::StopYields => {
+                "the axis moves on at the force limit: there is no hard stop, or friction needs more force"
+            }
+            Self::HeldFast => "the axis does not move away from the hard stop: friction needs more force",
             Self::LimitSwitch => "a limit switch was reached",
             Self::ScaleMissing => "the linear scale has no reading",
             Self::Timeout => "the homing took longer than its time limit",

@@ -14,11 +14,15 @@
 //! whole a time limit.
 
 mod error;
+mod hard_stop;
+mod run;
 mod settings;
 #[cfg(test)]
 mod tests;
 
 pub use error::HomingError;
+pub use hard_stop::{HardStop, HardStopSettings};
+pub use run::HomingRun;
 pub use settings::{AtLimit, Direction, HomingSettings, Mark};
 
 use crate::feedback::{OriginShift, Reading};
@@ -33,6 +37,10 @@ pub struct HomingInput {
     pub limits: [bool; 2],
     /// Present readings.
     pub reading: Reading,
+    /// Present command.
+    pub command: Position,
+    /// In which direction the force of the last tick was at its limit, if it was.
+    pub at_force_limit: Option<Direction>,
     /// Motor reading at an index pulse since the last tick.
     pub motor_index: Option<Position>,
     /// Scale reading at an index pulse since the last tick.
@@ -146,12 +154,6 @@ impl Homing {
             Phase::Ended(Err(error)) => HomingStatus::Failed(error),
             _ => HomingStatus::Running,
         }
-    }
-
-    /// Whether it is in progress. The limit switches of its axis are then a part of it, and no fault.
-    #[must_use]
-    pub const fn is_running(&self) -> bool {
-        !matches!(self.phase, Phase::Ended(_))
     }
 
     /// The motion to plan now, if the homing waits for one. [`Homing::leg_planned`] has to follow.

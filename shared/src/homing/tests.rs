@@ -102,6 +102,8 @@ impl Axis {
             home: (from..=to).contains(&self.at_m),
             limits: [self.at_m < 0.005, self.at_m > 0.195],
             reading: self.reading(self.at_m),
+            command: Position(0),
+            at_force_limit: None,
             motor_index: index.map(|reading| reading.motor),
             scale_index: index.and_then(|reading| reading.table),
             at_rest: self.target_m.is_none() && self.speed == 0.0,

@@ -45,10 +45,7 @@ impl FaultHistory {
     /// Records what is new in a tick.
     #[inline]
     pub fn update(&mut self, tick: u64, power: Power, warning: Option<Fault>) {
-        let fault = match power {
-            Power::Stopping(fault) | Power::Faulted(fault) | Power::Disabling(Some(fault)) => Some(fault),
-            Power::Off | Power::On | Power::Enabling | Power::Disabling(None) => None,
-        };
+        let fault = power.fault();
         if fault != self.fault {
             self.fault = fault;
             if let Some(fault) = fault {

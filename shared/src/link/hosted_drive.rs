@@ -19,7 +19,7 @@ use crate::drive::direction_check::DirectionCheckSettings;
 use crate::drive::{AnyOutput, Board, DriveSignal, DriveSystem};
 use crate::excitation::Excitation;
 use crate::feedback::Reading;
-use crate::homing::{HomingError, HomingSettings, HomingStatus};
+use crate::homing::{HardStopSettings, HomingError, HomingSettings, HomingStatus};
 use crate::interpolate::feed_hold::FeedState;
 use crate::interpolate::{Block, PathError};
 use crate::machine::Machine;
@@ -199,13 +199,14 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
     /// # Errors
     /// [`Refusal::Faulted`], [`Refusal::NotArmed`], [`Refusal::BrakesMove`].
     pub fn enable(&mut self) -> Result<(), Refusal> {
-        match self.machine().power() {
-            Power::On | Power::Enabling => Ok(()),
-            Power::Stopping(fault) | Power::Faulted(fault) | Power::Disabling(Some(fault)) => {
-                Err(Refusal::Faulted(fault))
-            }
-            Power::Disabling(None) => Err(Refusal::BrakesMove),
+        let power = self.machine().power();
+        if let Some(fault) = power.fault() {
+            return Err(Refusal::Faulted(fault));
+        }
+        match power {
             Power::Off => self.system.enable_by_host().map_err(|_| Refusal::NotArmed),
+            Power::On | Power::Enabling => Ok(()),
+            _ => Err(Refusal::BrakesMove),
         }
     }
 
@@ -226,15 +227,15 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
     /// # Errors
     /// [`Refusal::DrivesOff`], [`Refusal::Faulted`], [`Refusal::BrakesMove`], [`Refusal::Moving`].
     pub fn can_start(&self) -> Result<(), Refusal> {
-        match self.machine().power() {
-            Power::On => {}
-            Power::Off => return Err(Refusal::DrivesOff),
-            Power::Enabling | Power::Disabling(None) => return Err(Refusal::BrakesMove),
-            Power::Stopping(fault) | Power::Faulted(fault) | Power::Disabling(Some(fault)) => {
-                return Err(Refusal::Faulted(fault));
-            }
+        let power = self.machine().power();
+        if let Some(fault) = power.fault() {
+            return Err(Refusal::Faulted(fault));
         }
-        self.is_at_rest()
+        match power {
+            Power::On => self.is_at_rest(),
+            Power::Off => Err(Refusal::DrivesOff),
+            _ => Err(Refusal::BrakesMove),
+        }
     }
 
     /// Whether nothing moves.
@@ -307,9 +308,31 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
     /// As [`HostedDrive::can_start`]; [`Refusal::Homing`].
     pub fn home(&mut self, axis: usize, settings: &HomingSettings) -> Result<(), Refusal> {
         self.can_start()?;
-        self.system.home(axis, settings).map_err(|error: HomingError| Refusal::Homing(error.into()))?;
+        let started = self.system.home(axis, settings);
+        self.homing_started(started)
+    }
+
+    /// Starts to home an axis to a hard stop.
+    ///
+    /// # Errors
+    /// As [`HostedDrive::home`].
+    pub(in crate::link) fn home_to_stop(
+        &mut self,
+        axis: usize,
+        settings: &HardStopSettings,
+    ) -> Result<(), Refusal> {
+        self.can_start()?;
+        if !self.system.follows_force(axis) {
+            return Err(Refusal::NotAvailable);
+        }
+        let started = self.system.home_to_stop(axis, settings);
+        self.homing_started(started)
+    }
+
+    fn homing_started(&mut self, started: Result<(), HomingError>) -> Result<(), Refusal> {
+        started.map_err(|error| Refusal::Homing(error.into()))?;
         self.activity = Activity::Homing;
-        // Its speeds are those at which it finds its mark.
+        // Its speeds are those at which it finds its mark or stop.
         self.permit_override(100);
         Ok(())
     }

@@ -14,6 +14,7 @@ use crate::capture::Trigger;
 use crate::compensate::CompensationKind;
 use crate::drive::direction_check::DirectionCheckSettings;
 use crate::excitation::ExcitationSettings;
+use crate::homing::HardStopSettings;
 use crate::interpolate::Block;
 
 /// Length of the longest upload in bytes: a compensation with every table at its capacity has 7.6 kB.
@@ -90,6 +91,13 @@ pub enum Request {
     Home {
         /// Axis.
         axis: u8,
+    },
+    /// Moves an axis to a hard stop with a limited force, which becomes its reference, and backs off.
+    HomeToStop {
+        /// Axis.
+        axis: u8,
+        /// How the stop is found.
+        settings: HardStopSettings,
     },
     /// Prepares a check of the direction of an axis with a small force, drives off: it starts when the enable switch is next
     /// closed, after it was open.

@@ -8,8 +8,8 @@ use super::packet::AXES;
 use super::receiver::LinkCounts;
 use crate::capture::{CaptureState, ChannelSteps};
 use crate::config::Rates;
-use crate::drive::Supply;
 use crate::drive::direction_check::DirectionResult;
+use crate::drive::{Supply, TickCounts};
 use crate::homing::{HomingError, HomingSettings};
 use crate::interpolate::PathError;
 use crate::interpolate::feed_hold::FeedState;
@@ -150,6 +150,9 @@ pub enum HomingFailure {
     SwitchStuck,
     IndexNotFound,
     IndexTooCloseToSwitch,
+    StopNotFound,
+    StopYields,
+    HeldFast,
     LimitSwitch,
     ScaleMissing,
     Timeout,
@@ -167,6 +170,9 @@ impl From<HomingError> for HomingFailure {
             HomingError::SwitchStuck => Self::SwitchStuck,
             HomingError::IndexNotFound => Self::IndexNotFound,
             HomingError::IndexTooCloseToSwitch => Self::IndexTooCloseToSwitch,
+            HomingError::StopNotFound => Self::StopNotFound,
+            HomingError::StopYields => Self::StopYields,
+            HomingError::HeldFast => Self::HeldFast,
             HomingError::LimitSwitch => Self::LimitSwitch,
             HomingError::ScaleMissing => Self::ScaleMissing,
             HomingError::Timeout => Self::Timeout,
@@ -256,6 +262,8 @@ pub struct Status {
     pub blocks_left: u16,
     /// Axes.
     pub axes: [AxisStatus; AXES],
+    /// Late and missed ticks.
+    pub ticks: TickCounts,
     /// Supply, as far as the board measures it.
     pub supply: Supply,
     /// The homing that ran last.

@@ -27,11 +27,14 @@ pub struct Machine<S: Scalar, const N: usize> {
     config: Option<MachineConfig<S, N>>,
     references: References<N>,
     state: State<S, N>,
+    /// The force limits of the settings of the axes whose force is [limited](Machine::limit_force) further.
+    full_forces: [Option<S>; N],
 }
 
 impl<S: Scalar, const N: usize> Machine<S, N> {
     /// A machine without settings: it rejects blocks and stays off.
-    pub const UNCONFIGURED: Self = Self { config: None, state: State::NEW, references: References::NEW };
+    pub const UNCONFIGURED: Self =
+        Self { config: None, state: State::NEW, references: References::NEW, full_forces: [None; N] };
 
     /// A machine at rest at `start`, drives off.
     ///
@@ -54,6 +57,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     /// [`Machine::lose_reference`] afterwards.
     pub fn configure(&mut self, config: MachineConfig<S, N>, start: &[Position; N]) {
         self.references = References::NEW;
+        self.full_forces = [None; N];
         self.state.reset(&config, start);
         self.config = Some(config);
     }
@@ -86,6 +90,9 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         state.change(loops, &changed);
         *sensors = settings.sensors;
         config.replace(axis, changed, reference);
+        if let Some(full) = self.full_forces.get_mut(axis) {
+            *full = None;
+        }
         self.state.path.set_travel(config.travel());
         Ok(())
     }
@@ -244,6 +251,29 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     #[must_use]
     pub fn force_limit_n(&self, axis: usize) -> Option<f64> {
         self.config.as_ref()?.axes.get(axis).map(|config| config.velocity.force_limit.value())
+    }
+
+    /// Limits the force of an axis from the next tick on to less than its settings do; `None`: to what they do. A greater limit, and an axis
+    /// that does not exist, change nothing. Ends with the next settings.
+    pub fn limit_force(&mut self, axis: usize, limit: Option<S>) {
+        let config = self.config.as_mut().and_then(|config| config.axes.get_mut(axis));
+        if let (Some(config), Some(full)) = (config, self.full_forces.get_mut(axis)) {
+            let settings = full.take().unwrap_or(config.velocity.force_limit);
+            config.velocity.force_limit = settings;
+            if let Some(limit) = limit.filter(|limit| *limit < settings) {
+                (config.velocity.force_limit, *full) = (limit, Some(settings));
+            }
+        }
+    }
+
+    /// Whether a force is at the limit of an axis: forwards or backwards.
+    #[must_use]
+    pub fn is_at_force_limit(&self, axis: usize, force: S) -> [bool; 2] {
+        let config = self.config.as_ref().and_then(|config| config.axes.get(axis));
+        config.map_or([false; 2], |config| {
+            let limit = config.velocity.force_limit;
+            [force >= limit, S::ZERO - force >= limit]
+        })
     }
 
     /// Whether the position loop of an axis uses a linear scale.

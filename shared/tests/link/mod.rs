@@ -7,6 +7,7 @@ mod envelope;
 mod excitation;
 mod garbage;
 mod halts;
+mod hard_stop;
 mod home;
 mod motions;
 mod order;
@@ -18,6 +19,7 @@ mod rig;
 mod saving;
 mod silence;
 mod streams;
+mod ticks;
 mod two_ports;
 mod uploads;
 

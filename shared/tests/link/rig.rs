@@ -104,6 +104,10 @@ pub struct TestPlant {
     pub switch_closed: bool,
     pub stopped: bool,
     pub scale_lost: bool,
+    /// Where x is stopped in the negative direction, m, and how fast it can move further there, m/s.
+    pub stop: Option<(f64, f64)>,
+    /// Each tick ends late.
+    pub late: bool,
     /// Range in which the home switch of x is active, m.
     pub home_switch_m: Option<[f64; 2]>,
     /// Active limit switches of each axis, at the negative and the positive end.
@@ -117,6 +121,18 @@ impl TestPlant {
             let force = if self.enabled { self.forces_n[axis] } else { 0.0 };
             TABLE.step(&mut self.position_m[axis], &mut self.velocity[axis], force, tick_s);
         }
+        if let Some((stop_m, gives)) = self.stop
+            && self.position_m[0] < stop_m
+            && self.velocity[0] < -gives
+        {
+            self.position_m[0] += (-gives - self.velocity[0]) * tick_s;
+            self.velocity[0] = -gives;
+        }
+    }
+
+    /// The force on an axis, N.
+    pub fn force_n(&self, axis: usize) -> f64 {
+        if self.enabled { self.forces_n[axis] } else { 0.0 }
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "counts")]
@@ -162,7 +178,7 @@ impl Board<2, DriveSignal> for TestPlant {
     fn set_light(&mut self, _: bool) {}
 
     fn next_tick_due(&mut self) -> bool {
-        false
+        self.late
     }
 }
 

@@ -55,6 +55,15 @@ const TIM2_DIER: u32 = 0x4000_000c;
 const NVIC_ISPR0: u32 = 0xe000_e200;
 const TIM2_PENDING: u32 = 1 << 28;
 
+/// The store that pends a tick.
+pub(super) const PEND_TICK: (u32, u32) = (NVIC_ISPR0, TIM2_PENDING);
+
+/// Counter of the cycles of the core (ARMv7-M, C1.8.8), which each tick reads at its start.
+const CYCLE_COUNT: u32 = 0xe000_1004;
+
+/// Cycles in a tick: 168 MHz / 20 kHz.
+const CYCLES_PER_TICK: u32 = 8400;
+
 /// The inputs.
 #[derive(Default)]
 pub struct Inputs {
@@ -66,6 +75,10 @@ pub struct Inputs {
     ticked: bool,
     /// Safety contacts that are open: bits of port B.
     pub open: u32,
+    /// Interrupts of ticks that are lost before the next tick.
+    pub lost: u32,
+    /// Cycles of the core.
+    cycles: u32,
     /// Home switches that are active: bits of port C.
     pub home: u32,
     /// Scales without a signal: bits of port A.
@@ -87,7 +100,7 @@ impl Inputs {
 
     /// The store that pends the next tick, if one has read its inputs.
     pub fn next_tick(&mut self) -> Option<(u32, u32)> {
-        std::mem::take(&mut self.ticked).then_some((NVIC_ISPR0, TIM2_PENDING))
+        std::mem::take(&mut self.ticked).then_some(PEND_TICK)
     }
 
     /// Takes the stores that the core has to execute before it continues: address and value.
@@ -106,6 +119,7 @@ impl Device for Inputs {
             TIM4_CNT,
             TIM5_CNT,
             TIM8_CNT,
+            CYCLE_COUNT,
             ADC1_JDR3,
             ADC2_JDR3,
             INDEX_STATUS[0],
@@ -122,6 +136,11 @@ impl Device for Inputs {
                 let first = self.ticks == 1;
                 self.stores.extend(first.then_some((TIM2_DIER, 0)));
                 SAFETY_CONTACTS & !self.open | if self.ticks < CLOSED { 0 } else { SWITCH }
+            }
+            CYCLE_COUNT => {
+                let ticks = 1 + std::mem::take(&mut self.lost);
+                self.cycles = self.cycles.wrapping_add(ticks * CYCLES_PER_TICK);
+                self.cycles
             }
             TIM3_CNT => self.ticks.saturating_sub(PUSHED).min(COUNTS),
             TIM4_CNT => {

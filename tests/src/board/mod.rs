@@ -210,6 +210,15 @@ impl Chip {
         }
     }
 
+    /// Pends a tick at the instruction at which the chip is halted.
+    ///
+    /// # Errors
+    /// When the emulator does not reply.
+    pub fn pend_tick(&mut self) -> Result<(), GdbError> {
+        let (address, value) = inputs::PEND_TICK;
+        self.store(address, value)
+    }
+
     /// Number of ticks that have begun.
     #[must_use]
     pub fn ticks(&self) -> usize {

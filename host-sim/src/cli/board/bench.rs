@@ -41,6 +41,14 @@ pub enum Action {
     AddLoad,
     /// Take the 3 kg from the table of y.
     RemoveLoad,
+    /// Put a hard stop before x, 28.8 mm in the negative direction from where it is at power-up.
+    AddStop,
+    /// Take the hard stop away.
+    RemoveStop,
+    /// The next tick with the drives on takes one and a half periods.
+    SlowTick,
+    /// The interrupts of the ticks are held off for two periods.
+    HoldOffTicks,
     /// End the emulator, as a board without supply: what was saved is kept in its flash.
     End,
     /// End the emulator and erase its flash: the next start is that of a new board.
@@ -76,6 +84,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Action::LayDown => (b'h', "y is horizontal."),
         Action::AddLoad => (b'a', "The table of y carries 3 kg more."),
         Action::RemoveLoad => (b'd', "The table of y carries nothing more."),
+        Action::AddStop => (b'b', "A hard stop is before x."),
+        Action::RemoveStop => (b'u', "There is no hard stop before x."),
+        Action::SlowTick => (b's', "The next tick with the drives on takes one and a half periods."),
+        Action::HoldOffTicks => (b'i', "The ticks were held off for two periods."),
         Action::End => (END, "The emulator has ended."),
         Action::EraseFlash => (END, "The emulator has ended, and its flash is erased."),
     };

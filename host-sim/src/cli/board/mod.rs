@@ -6,6 +6,7 @@ pub mod capture;
 mod consent;
 pub mod direction;
 pub mod feed_override;
+mod home;
 pub mod jog;
 pub mod monitor;
 pub mod port;
@@ -40,7 +41,7 @@ pub enum Verb {
     /// Push an axis with a small force, loops open, and tell whether it moves the right way.
     CheckDirection(direction::Arguments),
     /// Move an axis to its reference. Switches the drives on if they are off.
-    Home(port::AxisArguments),
+    Home(home::Arguments),
     /// Feed hold: decelerate along the path, also that of another program at the port; `board resume` continues it.
     Hold(simple::Arguments),
     /// Continue the path after a hold, and wait for its end.
@@ -75,7 +76,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Clear(arguments) => simple::clear(arguments),
         Verb::Jog(arguments) => jog::run(arguments),
         Verb::CheckDirection(arguments) => direction::run(arguments),
-        Verb::Home(arguments) => simple::home(arguments),
+        Verb::Home(arguments) => home::run(arguments),
         Verb::Hold(arguments) => simple::hold(arguments),
         Verb::Resume(arguments) => simple::resume(arguments),
         Verb::Stop(arguments) => simple::stop(arguments),

@@ -12,6 +12,7 @@ use crate::cli::stop;
 use ::board::refusal::{self, AXIS_NAMES};
 use ::board::{BoardError, Client, Observer};
 use files::error::InputError;
+use shared::drive::TickCounts;
 use shared::link::{Status, Welcome};
 
 /// Longest interval, s: a host that is silent for longer stops the drives.
@@ -105,8 +106,14 @@ fn line(status: &Status, tick_hz: f64) -> String {
         format!("{name} {motor:.4} mm, error {error_um:.2} µm, {:.1} N", axis.force_n)
     });
     let axes: Vec<String> = axes.collect();
+    let TickCounts { late, missed, .. } = status.ticks;
+    let ticks = if late == 0 && missed == 0 {
+        String::new()
+    } else {
+        format!("; {late} ticks late, {missed} missed")
+    };
     format!(
-        "{:.3} s: drives {}; {}; {}",
+        "{:.3} s: drives {}; {}; {}{ticks}",
         status.tick as f64 / tick_hz,
         power(status),
         path(status),

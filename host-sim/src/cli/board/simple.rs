@@ -1,17 +1,17 @@
-//! `lost-motion board` with `enable`, `disable`, `clear`, `hold`, `resume`, `stop` and `home`.
+//! `lost-motion board` with `enable`, `disable`, `clear`, `hold`, `resume` and `stop`.
 
 use std::thread::sleep;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 
-use super::port::{AxisArguments, PortArguments};
+use super::port::PortArguments;
 use crate::cli::outputs::print;
 use crate::cli::stop;
 use ::board::motion::{POLL, stopped};
-use ::board::{BoardError, Client, Observer, refusal};
+use ::board::{BoardError, Client, Observer};
 use shared::interpolate::feed_hold::FeedState;
 use shared::link::halt::Halt;
-use shared::link::report::{Activity, HomingReport};
+use shared::link::report::Activity;
 use shared::link::{Refusal, Request, Status};
 use shared::safety::Power;
 
@@ -61,11 +61,9 @@ pub fn clear(arguments: &Arguments) -> Result<()> {
     let mut client = arguments.port.connect()?;
     let power = client.status()?.power;
     client.command(&Request::Clear)?;
-    print(match power {
-        Power::Faulted(_) | Power::Stopping(_) | Power::Disabling(Some(_)) => "The fault is acknowledged.",
-        Power::Off | Power::On | Power::Enabling | Power::Disabling(None) => {
-            "There is no fault to acknowledge."
-        }
+    print(match power.fault() {
+        Some(_) => "The fault is acknowledged.",
+        None => "There is no fault to acknowledge.",
     })
 }
 
@@ -99,10 +97,8 @@ pub fn stop(arguments: &Arguments) -> Result<()> {
         };
         match status.power {
             Power::On if !status.at_rest || status.activity != Activity::Idle => sleep(POLL),
-            Power::Stopping(_) | Power::Faulted(_) | Power::Disabling(Some(_)) => {
-                return Err(stopped(&status).into());
-            }
-            Power::On | Power::Off | Power::Enabling | Power::Disabling(None) => break,
+            power if power.fault().is_some() => return Err(stopped(&status).into()),
+            _ => break,
         }
     }
     print("The axes are at rest; the rest of the path is discarded.")
@@ -126,29 +122,6 @@ pub fn resume(arguments: &Arguments) -> Result<()> {
     client.command(&Request::Resume)?;
     wait(&mut client)?;
     print("The path has ended.")
-}
-
-/// Enables the drives if they are off, moves an axis to its reference and waits for the end.
-///
-/// # Errors
-/// A board that cannot be reached or refuses it, an axis that it does not have.
-pub fn home(arguments: &AxisArguments) -> Result<()> {
-    let axis = arguments.number()?;
-    let mut client = arguments.port.connect()?;
-    stop::write_partial_result();
-    client.enable()?;
-    stop::check_before_motion()?;
-    client.command(&Request::Home { axis })?;
-    wait(&mut client)?;
-    let status = client.status()?;
-    match status.homing {
-        HomingReport::Homed => {
-            let at_mm = 1e3 * status.axes[usize::from(axis)].command.to_m();
-            print(&format!("{} is homed; it is at {at_mm:.4} mm.", arguments.axis))
-        }
-        HomingReport::Failed(failure) => bail!("{}: not homed: {}", arguments.axis, refusal::homing(failure)),
-        HomingReport::None | HomingReport::Running => Err(BoardError::Unexpected.into()),
-    }
 }
 
 /// Waits until the axes are at rest. An interrupt stops them.

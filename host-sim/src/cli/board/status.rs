@@ -5,6 +5,7 @@ use anyhow::Result;
 use super::port::PortArguments;
 use crate::cli::outputs::print;
 use ::board::refusal::{self, AXIS_NAMES};
+use shared::drive::TickCounts;
 use shared::interpolate::feed_hold::FeedState;
 use shared::link::feed_override::FeedOverride;
 use shared::link::report::{Activity, DirectionReport, UsbState};
@@ -53,6 +54,7 @@ fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
         format!("path: {}", path(status)),
         format!("settings: {}", refusal::settings(&status.settings)),
     ];
+    lines.push(ticks(status, welcome.rates.velocity_loop_hz));
     if let Some(warning) = status.warning {
         lines.push(format!("warning: {}", refusal::fault(warning)));
     }
@@ -85,6 +87,17 @@ fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
         link.packets, link.too_long, link.too_short, link.encoding, link.checksum, link.version
     ));
     lines
+}
+
+/// The late and missed ticks in words, with a delay of at least half a period: shorter ones are those of the requests of the host.
+fn ticks(status: &Status, tick_hz: f64) -> String {
+    let TickCounts { late, missed, longest_delay_permille } = status.ticks;
+    let counts = format!("ticks with the stages on: {late} late, {missed} missed");
+    if longest_delay_permille < 500 {
+        return counts;
+    }
+    let delay_us = f64::from(longest_delay_permille) * 1e3 / tick_hz;
+    format!("{counts}, started up to {delay_us:.1} µs after they were due")
 }
 
 /// The direction check in words.

@@ -13,12 +13,17 @@ use crate::scalar::Fixed;
 const SETTLING: u32 = 10;
 const BLINK: u32 = 50;
 
+/// Counts in a period of the ticks.
+const PERIOD: u32 = 8400;
+
 #[expect(clippy::struct_excessive_bools, reason = "inputs and outputs of one bit")]
 struct TestBoard {
     at: Position,
     closed: bool,
     stopped: bool,
     late: bool,
+    /// Periods of the ticks so far.
+    periods: u32,
     duty: Duty,
     enabled: bool,
     lit: bool,
@@ -52,6 +57,11 @@ impl Board<1> for TestBoard {
     fn next_tick_due(&mut self) -> bool {
         self.late
     }
+
+    fn started_at(&mut self) -> Option<u32> {
+        self.periods += 1;
+        Some(self.periods.wrapping_mul(PERIOD))
+    }
 }
 
 /// A system that has just been enabled with a line to follow, and its board.
@@ -68,6 +78,7 @@ fn running() -> (DriveSystem<'static, Fixed, 1>, TestBoard) {
         closed: false,
         stopped: false,
         late: false,
+        periods: 0,
         duty: Duty::default(),
         enabled: false,
         lit: false,
@@ -151,6 +162,43 @@ fn an_overrun_or_a_hardware_stop_disables_the_stages_until_a_new_edge() {
         board.at = Position::from_m(0.02).unwrap();
         close(&mut system, &mut board);
         assert_eq!((board.enabled, board.lit, board.duty), (true, false, Duty::default()));
+    }
+}
+
+/// Two late or missed ticks are tolerated here, the third one is the fault, in its own tick; with the stages off nothing is counted.
+#[test]
+fn late_and_missed_ticks_are_a_fault_above_what_is_tolerated() {
+    for lost in [0, 1] {
+        let (system, mut board) = running();
+        let counts_per_tick = core::num::NonZeroU32::new(PERIOD).unwrap();
+        let mut system = system.with_tick_clock(TickClock { counts_per_tick, tolerated: 2 });
+        run(&mut system, &mut board, 40);
+        assert_eq!(system.tick_counts(), TickCounts::default());
+        for number in 1..=3 {
+            board.late = lost == 0;
+            board.periods += lost;
+            system.tick(&mut board);
+            board.late = false;
+            let counts = system.tick_counts();
+            let [late, missed] = if lost == 0 { [number, 0] } else { [0, number] };
+            assert_eq!((counts.late, counts.missed), (late, missed));
+            assert_eq!(counts.longest_delay_permille, 1000 * lost);
+            assert_eq!(board.enabled, number < 3, "{number}");
+        }
+        assert_off(&system, &board, Power::Faulted(Fault::Overrun));
+        let counts = system.tick_counts();
+        board.late = true;
+        for _ in 0..40 {
+            board.periods += 3;
+            system.tick(&mut board);
+        }
+        board.late = false;
+        assert_eq!(system.tick_counts(), counts);
+        // The next enable tolerates as many again.
+        close(&mut system, &mut board);
+        board.periods += 2;
+        system.tick(&mut board);
+        assert!(board.enabled);
     }
 }
 

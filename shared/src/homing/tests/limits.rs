@@ -21,6 +21,8 @@ fn at_distance(
         home: true,
         limits: [false; 2],
         reading: Reading { motor: at.unwrap(), table: at },
+        command: Position(0),
+        at_force_limit: None,
         motor_index: index,
         scale_index: index,
         at_rest: false,

@@ -33,6 +33,7 @@ impl<S: Scalar> HostedDrive<'_, S, AXES> {
                 force_n: self.forces[axis].value() as f32,
                 homed: machine.reference(axis) == Some(Reference::Homed),
             }),
+            ticks: self.system.tick_counts(),
             supply: self.system.inputs().supply,
             homing: match self.system.homing_status() {
                 None => HomingReport::None,

@@ -5,6 +5,7 @@
 
 mod block_limits;
 mod excitation;
+mod hard_stop;
 mod motion;
 mod outside;
 mod recording;
@@ -302,6 +303,7 @@ impl ServerState {
                 drive.with(|drive| drive.check_direction(usize::from(*axis), settings))
             }
             Request::Home { axis } => self.home(*axis, drive),
+            Request::HomeToStop { axis, settings } => self.home_to_stop(*axis, settings, drive),
             Request::Excite(settings) => self.excite(settings, drive),
             Request::NewMotion => self.new_motion(drive),
             Request::AddBlock(block) => self.add_block(block, drive),

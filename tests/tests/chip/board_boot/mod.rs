@@ -8,6 +8,7 @@
 mod checks;
 mod host;
 mod stored;
+mod ticks;
 mod wiring;
 
 use firmware::setup::{IDENTITY, RATES};
