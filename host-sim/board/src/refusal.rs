@@ -218,6 +218,9 @@ pub fn homing(failure: HomingFailure) -> String {
         HomingFailure::HeldFast => {
             "the axis does not move away from the hard stop: its friction needs more force".into()
         }
+        HomingFailure::Weight => {
+            "the axis carries a weight (brake_release_s or preload_n), and may fall with a limited force; it needs a home switch".into()
+        }
         HomingFailure::LimitSwitch => "a limit switch was reached".into(),
         HomingFailure::ScaleMissing => "the scale has no signal".into(),
         HomingFailure::Timeout => "the homing took too long".into(),

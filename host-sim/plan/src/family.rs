@@ -61,7 +61,7 @@ struct Pattern {
 
 const PATTERNS: [Pattern; 8] = [
     Pattern { name: "strokes", parts: &[STROKES], is_together: false, pause_s: 0.0 },
-    Pattern { name: "diagonal strokes", parts: &[STROKES], is_together: true, pause_s: 0.0 },
+    Pattern { name: "strokes", parts: &[STROKES], is_together: true, pause_s: 0.0 },
     Pattern { name: "short quick strokes", parts: &[QUICK], is_together: false, pause_s: 0.0 },
     Pattern {
         name: "strokes and short quick ones",
@@ -69,7 +69,7 @@ const PATTERNS: [Pattern; 8] = [
         is_together: false,
         pause_s: 0.0,
     },
-    Pattern { name: "diagonal steps", parts: &[STEPS], is_together: true, pause_s: 0.0 },
+    Pattern { name: "steps", parts: &[STEPS], is_together: true, pause_s: 0.0 },
     Pattern {
         name: "strokes at several speeds",
         parts: &[STROKES, SLOWER],
@@ -77,7 +77,7 @@ const PATTERNS: [Pattern; 8] = [
         pause_s: 0.0,
     },
     Pattern {
-        name: "diagonal steps and short quick strokes",
+        name: "steps and short quick strokes",
         parts: &[STEPS, QUICK],
         is_together: true,
         pause_s: 0.0,
@@ -111,12 +111,15 @@ pub fn candidates(limits: &MotionLimits) -> Vec<Candidate> {
     let mut candidates: Vec<Candidate> =
         all.filter(|one| one.seconds <= limits.time_s && one.motion.motion().is_some()).collect();
     candidates.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    // With one axis, all move alone.
+    candidates.dedup_by(|a, b| a.name == b.name);
     candidates
 }
 
 impl Pattern {
     fn within(&self, limits: &MotionLimits, (span, of_travel): (f64, &str)) -> Candidate {
-        let name = format!("{} {of_travel}", self.name);
+        let how = if self.is_together && limits.axes.len() > 1 { "diagonal " } else { "" };
+        let name = format!("{how}{} {of_travel}", self.name);
         let start_mm: IndexMap<String, f64> =
             limits.axes.iter().map(|axis| (axis.name.clone(), axis.middle_mm)).collect();
         let lines = Lines::begin(&name, start_mm, slowest(&limits.axes));
@@ -234,6 +237,15 @@ mod tests {
             }
             assert!((at[0] - 200.0).abs() < 1e-9 && (at[1] + 30.0).abs() < 1e-9, "{}", candidate.name);
         }
+    }
+
+    #[test]
+    fn one_axis_has_no_diagonals() {
+        let two = limits(200.0);
+        let one = MotionLimits { axes: two.axes[..1].to_vec(), ..two };
+        let names: Vec<String> = candidates(&one).into_iter().map(|candidate| candidate.name).collect();
+        assert_eq!(names.len(), (PATTERNS.len() - 1) * SPANS.len(), "{names:?}");
+        assert!(names.iter().all(|name| !name.contains("diagonal")), "{names:?}");
     }
 
     #[test]

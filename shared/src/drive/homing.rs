@@ -29,9 +29,12 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
     /// Starts to home an axis to a hard stop, as [`DriveSystem::home`]. Its force is limited until the homing has ended.
     ///
     /// # Errors
-    /// As [`DriveSystem::home`].
+    /// As [`DriveSystem::home`]; [`HomingError::Weight`].
     pub fn home_to_stop(&mut self, axis: usize, settings: &HardStopSettings) -> Result<(), HomingError> {
         let tick_hz = self.ready_to_home(axis)?;
+        if self.machine().carries_weight(axis) {
+            return Err(HomingError::Weight);
+        }
         let homing = HardStop::new(settings, tick_hz, self.machine().uses_scale(axis))?;
         self.start_homing(axis, HomingRun::ToStop(homing));
         Ok(())

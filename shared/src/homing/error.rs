@@ -24,6 +24,8 @@ pub enum HomingError {
     StopYields,
     /// The axis does not move away from the hard stop: the force limit is below its friction.
     HeldFast,
+    /// The axis carries a weight, as its brake or its preload says: with a force limit it may fall.
+    Weight,
     /// A limit switch that does not belong to this part of the homing.
     LimitSwitch,
     /// There is no reading of the scale that the axis uses.
@@ -55,6 +57,7 @@ impl core::fmt::Display for HomingError {
                 "the axis moves on at the force limit: there is no hard stop, or friction needs more force"
             }
             Self::HeldFast => "the axis does not move away from the hard stop: friction needs more force",
+            Self::Weight => "the axis carries a weight, and may fall with a limited force: it needs a home switch",
             Self::LimitSwitch => "a limit switch was reached",
             Self::ScaleMissing => "the linear scale has no reading",
             Self::Timeout => "the homing took longer than its time limit",

@@ -351,6 +351,14 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         config.is_some_and(|config| config.brake.is_some())
     }
 
+    /// Whether an axis carries a weight: it has a brake, or a preload that is not zero.
+    #[must_use]
+    pub fn carries_weight(&self, axis: usize) -> bool {
+        let config = self.config.as_ref().and_then(|config| config.axes.get(axis));
+        let has_preload = config.and_then(|config| config.preload).is_some_and(|force| force != S::ZERO);
+        has_preload || self.has_brake(axis)
+    }
+
     /// Reports, after the configuration, a fault that ended the previous run. It has to be acknowledged before an enable.
     pub fn inhibit_enable(&mut self, fault: Fault) {
         self.state.power = self.state.power.after(Event::Inhibit(fault));

@@ -7,7 +7,7 @@ use shared::link::refusal::SettingProblem;
 use shared::link::report::{HomingFailure, HomingReport};
 use shared::safety::Power;
 
-use super::rig::{Rig, settings};
+use super::rig::{IDENTITY, Rig, settings};
 
 /// Friction of 20 N leaves 40 N of the force limit at the stop.
 const STOP: HardStopSettings = HardStopSettings {
@@ -147,5 +147,33 @@ fn what_ends_it_restores_the_force() {
         rig.run(400);
         assert!(matches!(rig.status().homing, HomingReport::Failed(_)));
         assert_eq!(rig.drive.machine().force_limit_n(0), Some(200.0));
+    }
+}
+
+/// With a limited force an axis would fall that has a brake, or a preload of its weight. A known preload of zero is that of a horizontal axis.
+#[test]
+fn an_axis_that_carries_a_weight_is_refused() {
+    use shared::config::{AxisSettings, Brake};
+    let brake = Some(Brake { release_s: 0.0, engage_s: 0.0 });
+    let horizontal = AxisSettings { preload_n: Some(0.0), ..settings().axes[0] };
+    let weighted = |preload_n: f64| AxisSettings { preload_n: Some(preload_n), ..horizontal };
+    for (axis, is_refused) in [
+        (horizontal, false),
+        (weighted(30.0), true),
+        (weighted(-30.0), true),
+        (AxisSettings { brake, ..horizontal }, true),
+    ] {
+        let mut settings = settings();
+        settings.axes[0] = axis;
+        let mut rig = Rig::of(&IDENTITY, settings);
+        rig.enable();
+        rig.run(2000);
+        rig.drive.heard();
+        if is_refused {
+            assert_eq!(rig.refusal(&request(STOP)), Refusal::Homing(HomingFailure::Weight));
+            assert_ne!(rig.drive.status(Default::default(), Default::default()).homing, HomingReport::Running);
+        } else {
+            assert_eq!(rig.request(&request(STOP)), Reply::Done);
+        }
     }
 }
