@@ -57,7 +57,9 @@ impl core::fmt::Display for HomingError {
                 "the axis moves on at the force limit: there is no hard stop, or friction needs more force"
             }
             Self::HeldFast => "the axis does not move away from the hard stop: friction needs more force",
-            Self::Weight => "the axis carries a weight, and may fall with a limited force: it needs a home switch",
+            Self::Weight => {
+                "the axis carries a weight, and may fall with a limited force: it needs a home switch"
+            }
             Self::LimitSwitch => "a limit switch was reached",
             Self::ScaleMissing => "the linear scale has no reading",
             Self::Timeout => "the homing took longer than its time limit",

@@ -171,7 +171,10 @@ fn an_axis_that_carries_a_weight_is_refused() {
         rig.drive.heard();
         if is_refused {
             assert_eq!(rig.refusal(&request(STOP)), Refusal::Homing(HomingFailure::Weight));
-            assert_ne!(rig.drive.status(Default::default(), Default::default()).homing, HomingReport::Running);
+            assert_ne!(
+                rig.drive.status(Default::default(), Default::default()).homing,
+                HomingReport::Running
+            );
         } else {
             assert_eq!(rig.request(&request(STOP)), Reply::Done);
         }
