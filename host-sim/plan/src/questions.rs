@@ -111,6 +111,7 @@ mod tests {
         [axis.x]
         table_mass_kg = 110.0
         coulomb_n = 20.0
+        plant_tolerance_percent = 20.0
         [axis.x.nominal]
         table_mass_kg = 100.0
         [[axis.x.effect]]
