@@ -8,14 +8,14 @@ use crate::input::smoothing::Smooth;
 /// springs.
 const CREEPING_M_PER_S: Range<f64> = 2e-5..1e-3;
 
-/// Whether the filter's window around each sample contains a reversal: a speed between rest and motion, or two samples of opposite
-/// directions. A residual that jumps there depends on when within the window it does.
+/// Whether the filter's window around each sample contains a reversal: a speed between rest and motion, or two samples of
+/// different directions. A residual that jumps there depends on when within the window it does.
 #[must_use]
 pub fn near_reversals(motion: &Smooth) -> Vec<bool> {
     let velocity = &motion.velocity;
     let reverses = |sample: usize| {
-        let before = velocity[sample.saturating_sub(1)];
-        CREEPING_M_PER_S.contains(&velocity[sample].abs()) || before * velocity[sample] < 0.0
+        let [before, now] = [sample.saturating_sub(1), sample].map(|sample| direction(velocity[sample]));
+        CREEPING_M_PER_S.contains(&velocity[sample].abs()) || before != now
     };
     let mut near = vec![false; velocity.len()];
     for sample in (0..velocity.len()).filter(|&sample| reverses(sample)) {
@@ -24,6 +24,11 @@ pub fn near_reversals(motion: &Smooth) -> Vec<bool> {
         near[first..end].fill(true);
     }
     near
+}
+
+/// −1, 0 or 1.
+fn direction(m_per_s: f64) -> i8 {
+    i8::from(m_per_s > 0.0) - i8::from(m_per_s < 0.0)
 }
 
 #[cfg(test)]
