@@ -114,10 +114,11 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
 
     /// The part of a homing in a tick, before the machine's.
     pub(super) fn home_tick(&mut self, from_power_up: &[Reading; N]) {
+        let running = self.homing.as_ref().filter(|(_, homing)| homing.is_running());
+        let Some(axis) = running.map(|(axis, _)| *axis) else { return };
         let (at_rest, is_on) = (self.machine().is_at_rest(), self.machine().power() == Power::On);
         let axis_inputs = self.inputs().axes;
         let (commands, forces) = (self.machine().command(), self.forces);
-        let Some(axis) = self.homing.as_ref().map(|(axis, _)| *axis) else { return };
         let (Some(input), Some(reading), Some(command), Some(force), Some(origin)) = (
             axis_inputs.get(axis),
             from_power_up.get(axis),
@@ -133,9 +134,6 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
             _ => None,
         };
         let Some((_, homing)) = &mut self.homing else { return };
-        if !homing.is_running() {
-            return;
-        }
         let action = homing.tick(&HomingInput {
             home: input.home,
             limits: input.limits,

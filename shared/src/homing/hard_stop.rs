@@ -10,6 +10,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::progress::{Phase, Progress, shift_to};
 use super::{Direction, HomingAction, HomingError, HomingInput, HomingStatus, LegMotion, at_limit};
 use crate::feedback::OriginShift;
 use crate::interpolate::PathError;
@@ -67,10 +68,10 @@ impl HardStopSettings {
     }
 }
 
-/// Way of the motor reading within which the axis stands, position units: 10 µm.
+/// Distance of the motor reading within which the axis stands, position units: 10 µm.
 const STANDSTILL_UNITS: u64 = 10_000 * PER_NM.unsigned_abs();
 
-/// Way at the force limit beyond which the axis is not at a stop, position units: 0.1 mm.
+/// Distance at the force limit beyond which the axis is not at a stop, position units: 0.1 mm.
 const YIELD_UNITS: u64 = 10 * STANDSTILL_UNITS;
 
 /// Time beside that of the motions, s.
@@ -88,21 +89,16 @@ enum Leg {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Stop {
     shift: OriginShift,
-    /// Way of the command beyond the stop, m.
+    /// Distance of the command beyond the stop, m.
     ahead_m: f64,
 }
 
+/// The command decelerates beyond the stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Phase {
-    /// The leg is to be planned.
-    Planning(Leg),
-    Moving(Leg),
-    /// The command decelerates, beyond the motor reading at the stop.
-    Stopping {
-        shift: OriginShift,
-        at: Position,
-    },
-    Ended(Result<(), HomingError>),
+struct Found {
+    shift: OriginShift,
+    /// Motor reading at the stop.
+    at: Position,
 }
 
 /// A push with the force at its limit.
@@ -119,10 +115,9 @@ struct Push {
 #[derive(Clone, Copy, Debug)]
 pub struct HardStop {
     settings: HardStopSettings,
-    phase: Phase,
+    progress: Progress<Leg, Found>,
     push: Option<Push>,
     standstill_ticks: u64,
-    ticks_left: u64,
     stop: Position,
     needs_scale: bool,
 }
@@ -135,26 +130,21 @@ impl HardStop {
     /// [`HomingError::Setting`].
     pub fn new(settings: &HardStopSettings, tick_hz: f64, needs_scale: bool) -> Result<Self, HomingError> {
         settings.check()?;
-        let way_m = settings.search_distance_m + 4.0 * settings.back_off_distance_m;
-        let longest_s = SPARE_TIME_S + 2.0 * way_m / settings.speed_m_per_s;
+        let distance_m = settings.search_distance_m + 4.0 * settings.back_off_distance_m;
+        let longest_s = SPARE_TIME_S + 2.0 * distance_m / settings.speed_m_per_s;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive; saturates")]
         let [standstill_ticks, ticks_left] =
             [settings.standstill_s, longest_s].map(|time_s| (time_s * tick_hz) as u64);
         let stop =
             Position::from_m(settings.stop_position_m).ok_or(HomingError::Setting("stop_position_m"))?;
-        let phase = Phase::Planning(Leg::Release);
-        let settings = *settings;
-        Ok(Self { settings, phase, push: None, standstill_ticks, ticks_left, stop, needs_scale })
+        let progress = Progress::new(Leg::Release, ticks_left);
+        Ok(Self { settings: *settings, progress, push: None, standstill_ticks, stop, needs_scale })
     }
 
     /// The state.
     #[must_use]
     pub const fn status(&self) -> HomingStatus {
-        match self.phase {
-            Phase::Ended(Ok(())) => HomingStatus::Homed,
-            Phase::Ended(Err(error)) => HomingStatus::Failed(error),
-            _ => HomingStatus::Running,
-        }
+        self.progress.status()
     }
 
     /// The magnitude of the force limit while it runs, N.
@@ -166,7 +156,7 @@ impl HardStop {
     /// The motion to plan now, if the homing waits for one. [`HardStop::leg_planned`] has to follow.
     #[must_use]
     pub fn leg_to_plan(&self) -> Option<LegMotion> {
-        let Phase::Planning(leg) = self.phase else { return None };
+        let Phase::Planning(leg) = self.progress.phase else { return None };
         let HardStopSettings { speed_m_per_s, acceleration_m_per_s2, .. } = self.settings;
         let (towards, back_off_m) = (self.settings.direction().sign(), self.settings.back_off_distance_m);
         let distance_m = match leg {
@@ -179,12 +169,7 @@ impl HardStop {
 
     /// The motion of [`HardStop::leg_to_plan`] was planned, or rejected by the path.
     pub fn leg_planned(&mut self, planned: Result<(), PathError>) {
-        if let Phase::Planning(leg) = self.phase {
-            self.phase = match planned {
-                Ok(()) => Phase::Moving(leg),
-                Err(error) => Phase::Ended(Err(HomingError::Path(error))),
-            };
-        }
+        self.progress.leg_planned(planned);
     }
 
     /// Stops the homing. The machine has to halt.
@@ -193,34 +178,24 @@ impl HardStop {
     }
 
     fn fail(&mut self, error: HomingError) -> Option<HomingAction> {
-        if matches!(self.phase, Phase::Ended(_)) {
-            return None;
-        }
-        self.phase = Phase::Ended(Err(error));
-        Some(HomingAction::Halt)
+        self.progress.fail(error)
     }
 
     /// One tick.
     pub fn tick(&mut self, input: &HomingInput) -> Option<HomingAction> {
-        if matches!(self.phase, Phase::Ended(_)) {
-            return None;
-        }
-        if !input.is_on {
-            return self.fail(HomingError::DrivesOff);
-        }
-        let Some(ticks_left) = self.ticks_left.checked_sub(1) else {
-            return self.fail(HomingError::Timeout);
+        let phase = match self.progress.tick(input.is_on) {
+            Ok(phase) => phase,
+            Err(action) => return action,
         };
-        self.ticks_left = ticks_left;
-        match self.phase {
+        match phase {
             Phase::Moving(leg) => self.moving(leg, input),
-            Phase::Stopping { shift, at } if input.at_rest => {
+            Phase::Stopping(Found { shift, at }) if input.at_rest => {
                 #[expect(clippy::cast_precision_loss, reason = "within the following error")]
                 let ahead_m = (input.command - at) as f64 / PER_M;
-                self.phase = Phase::Planning(Leg::BackOff(Stop { shift, ahead_m }));
+                self.progress.phase = Phase::Planning(Leg::BackOff(Stop { shift, ahead_m }));
                 None
             }
-            Phase::Planning(_) | Phase::Stopping { .. } | Phase::Ended(_) => None,
+            Phase::Planning(_) | Phase::Stopping(_) | Phase::Ended(_) => None,
         }
     }
 
@@ -246,14 +221,11 @@ impl HardStop {
         }
         match leg {
             Leg::Release => {
-                self.phase = Phase::Planning(Leg::Press);
+                self.progress.phase = Phase::Planning(Leg::Press);
                 None
             }
             Leg::Press => self.fail(HomingError::StopNotFound),
-            Leg::BackOff(Stop { shift, .. }) => {
-                self.phase = Phase::Ended(Ok(()));
-                Some(HomingAction::SetOrigin(shift))
-            }
+            Leg::BackOff(Stop { shift, .. }) => Some(self.progress.homed(shift)),
         }
     }
 
@@ -270,14 +242,10 @@ impl HardStop {
 
     /// The axis stands at the stop.
     fn found(&mut self, input: &HomingInput) -> Option<HomingAction> {
-        if input.reading.table.is_none() && self.needs_scale {
-            return self.fail(HomingError::ScaleMissing);
-        }
-        let motor = self.stop - input.reading.motor;
-        let table = input.reading.table.map_or(motor, |table| self.stop - table);
         self.push = None;
-        let at = input.reading.motor;
-        self.phase = Phase::Stopping { shift: OriginShift { motor, table }, at };
-        Some(HomingAction::Halt)
+        match shift_to(self.stop, input.reading, self.needs_scale) {
+            Ok(shift) => Some(self.progress.stop_then(Found { shift, at: input.reading.motor })),
+            Err(error) => self.fail(error),
+        }
     }
 }

@@ -15,6 +15,7 @@
 
 mod error;
 mod hard_stop;
+mod progress;
 mod run;
 mod settings;
 #[cfg(test)]
@@ -27,6 +28,7 @@ pub use settings::{AtLimit, Direction, HomingSettings, Mark};
 
 use crate::feedback::{OriginShift, Reading};
 use crate::units::{PER_M, Position};
+use progress::{Phase, Progress, shift_to};
 
 /// What the homing of an axis sees in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,17 +103,12 @@ enum Leg {
     },
 }
 
-/// What the homing waits for.
+/// What follows when the axis has stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Phase {
-    /// The leg is to be planned.
-    Planning(Leg),
-    Moving(Leg),
-    /// Decelerating before a leg.
-    Stopping(Leg),
-    /// Decelerating behind the mark.
-    StoppingAtMark(OriginShift),
-    Ended(Result<(), HomingError>),
+enum Then {
+    Plan(Leg),
+    /// The mark is behind the axis.
+    SetOrigin(OriginShift),
 }
 
 /// Part of the spacing on both sides of the switch in which an index pulse is ambiguous.
@@ -121,12 +118,11 @@ const MARGIN_DIVISOR: u64 = 16;
 #[derive(Clone, Copy, Debug)]
 pub struct Homing {
     settings: HomingSettings,
-    phase: Phase,
+    progress: Progress<Leg, Then>,
     /// Greatest distance from the edge to the index, position units.
     index_distance: u64,
     mark: Position,
     needs_scale: bool,
-    ticks_left: u64,
 }
 
 impl Homing {
@@ -142,24 +138,20 @@ impl Homing {
             [settings.mark.index_distance_m() * PER_M, settings.timeout_s * tick_hz].map(|n| n as u64);
         let mark =
             Position::from_m(settings.mark_position_m).ok_or(HomingError::Setting("mark_position_m"))?;
-        let phase = Phase::Planning(Leg::Search);
-        Ok(Self { settings: *settings, phase, index_distance, mark, needs_scale, ticks_left })
+        let progress = Progress::new(Leg::Search, ticks_left);
+        Ok(Self { settings: *settings, progress, index_distance, mark, needs_scale })
     }
 
     /// The state.
     #[must_use]
     pub const fn status(&self) -> HomingStatus {
-        match self.phase {
-            Phase::Ended(Ok(())) => HomingStatus::Homed,
-            Phase::Ended(Err(error)) => HomingStatus::Failed(error),
-            _ => HomingStatus::Running,
-        }
+        self.progress.status()
     }
 
     /// The motion to plan now, if the homing waits for one. [`Homing::leg_planned`] has to follow.
     #[must_use]
     pub const fn leg_to_plan(&self) -> Option<LegMotion> {
-        let Phase::Planning(leg) = self.phase else { return None };
+        let Phase::Planning(leg) = self.progress.phase else { return None };
         let HomingSettings { direction, search_speed_m_per_s, approach_speed_m_per_s, .. } = self.settings;
         let forwards = direction.sign();
         let (distance_m, speed_m_per_s) = match leg {
@@ -178,12 +170,7 @@ impl Homing {
 
     /// The motion of [`Homing::leg_to_plan`] was planned, or rejected by the path.
     pub fn leg_planned(&mut self, planned: Result<(), crate::interpolate::PathError>) {
-        if let Phase::Planning(leg) = self.phase {
-            self.phase = match planned {
-                Ok(()) => Phase::Moving(leg),
-                Err(error) => Phase::Ended(Err(HomingError::Path(error))),
-            };
-        }
+        self.progress.leg_planned(planned);
     }
 
     /// Stops the homing. The machine has to halt.
@@ -192,68 +179,49 @@ impl Homing {
     }
 
     fn fail(&mut self, error: HomingError) -> Option<HomingAction> {
-        if matches!(self.phase, Phase::Ended(_)) {
-            return None;
-        }
-        self.phase = Phase::Ended(Err(error));
-        Some(HomingAction::Halt)
+        self.progress.fail(error)
     }
 
     /// One tick.
     pub fn tick(&mut self, input: &HomingInput) -> Option<HomingAction> {
-        if matches!(self.phase, Phase::Ended(_)) {
-            return None;
-        }
-        if !input.is_on {
-            return self.fail(HomingError::DrivesOff);
-        }
-        let Some(ticks_left) = self.ticks_left.checked_sub(1) else {
-            return self.fail(HomingError::Timeout);
+        let phase = match self.progress.tick(input.is_on) {
+            Ok(phase) => phase,
+            Err(action) => return action,
         };
-        self.ticks_left = ticks_left;
-        match self.phase {
+        match phase {
             Phase::Planning(Leg::Search) => self.start(input),
             Phase::Planning(_) | Phase::Ended(_) => None,
             Phase::Moving(leg) => self.moving(leg, input),
-            Phase::Stopping(leg) => self.stopping(leg, input),
-            Phase::StoppingAtMark(shift) => {
-                if !input.at_rest {
-                    return None;
-                }
-                self.phase = Phase::Ended(Ok(()));
-                Some(HomingAction::SetOrigin(shift))
-            }
+            Phase::Stopping(_) if !input.at_rest => None,
+            Phase::Stopping(Then::Plan(leg)) => self.stopped_before(leg, input),
+            Phase::Stopping(Then::SetOrigin(shift)) => Some(self.progress.homed(shift)),
         }
     }
 
     /// At the start the axis can be on a switch.
     fn start(&mut self, input: &HomingInput) -> Option<HomingAction> {
         if input.home {
-            self.phase = Phase::Planning(Leg::BackOff { on_switch: true });
+            self.progress.phase = Phase::Planning(Leg::BackOff { on_switch: true });
         } else if at_limit(self.settings.direction, input) {
             if self.settings.at_limit == AtLimit::Fail {
                 return self.fail(HomingError::LimitSwitch);
             }
-            self.phase = Phase::Planning(Leg::SearchBack { on_switch: false });
+            self.progress.phase = Phase::Planning(Leg::SearchBack { on_switch: false });
         }
         None
     }
 
     /// At rest before a leg. The approach starts beside the switch.
-    fn stopping(&mut self, leg: Leg, input: &HomingInput) -> Option<HomingAction> {
-        if !input.at_rest {
-            return None;
-        }
+    fn stopped_before(&mut self, leg: Leg, input: &HomingInput) -> Option<HomingAction> {
         if leg == Leg::Approach && input.home {
             return self.fail(HomingError::SwitchStuck);
         }
-        self.phase = Phase::Planning(leg);
+        self.progress.phase = Phase::Planning(leg);
         None
     }
 
     fn stop_before(&mut self, leg: Leg) -> HomingAction {
-        self.phase = Phase::Stopping(leg);
-        HomingAction::Halt
+        self.progress.stop_then(Then::Plan(leg))
     }
 
     fn moving(&mut self, leg: Leg, input: &HomingInput) -> Option<HomingAction> {
@@ -270,11 +238,11 @@ impl Homing {
             Leg::Search | Leg::Approach | Leg::ToIndex { .. } if ahead => self.fail(HomingError::LimitSwitch),
             Leg::SearchBack { .. } | Leg::BackOff { .. } if behind => self.fail(HomingError::LimitSwitch),
             Leg::SearchBack { on_switch: false } if input.home => {
-                self.phase = Phase::Moving(Leg::SearchBack { on_switch: true });
+                self.progress.phase = Phase::Moving(Leg::SearchBack { on_switch: true });
                 None
             }
             Leg::BackOff { on_switch: false } if input.home => {
-                self.phase = Phase::Moving(Leg::BackOff { on_switch: true });
+                self.progress.phase = Phase::Moving(Leg::BackOff { on_switch: true });
                 None
             }
             Leg::Approach if input.home => self.edge(input),
@@ -291,12 +259,12 @@ impl Homing {
         match self.settings.mark {
             Mark::SwitchEdge => self.mark_at(motor, table),
             Mark::MotorIndex { .. } => {
-                self.phase = Phase::Moving(Leg::ToIndex { edge: motor });
+                self.progress.phase = Phase::Moving(Leg::ToIndex { edge: motor });
                 None
             }
             Mark::ScaleIndex { .. } => match table {
                 Some(edge) => {
-                    self.phase = Phase::Moving(Leg::ToIndex { edge });
+                    self.progress.phase = Phase::Moving(Leg::ToIndex { edge });
                     None
                 }
                 None => self.fail(HomingError::ScaleMissing),
@@ -325,13 +293,10 @@ impl Homing {
 
     /// The readings at the mark are known: stop, then set the origin.
     fn mark_at(&mut self, motor: Position, table: Option<Position>) -> Option<HomingAction> {
-        if table.is_none() && self.needs_scale {
-            return self.fail(HomingError::ScaleMissing);
+        match shift_to(self.mark, Reading { motor, table }, self.needs_scale) {
+            Ok(shift) => Some(self.progress.stop_then(Then::SetOrigin(shift))),
+            Err(error) => self.fail(error),
         }
-        let motor_shift = self.mark - motor;
-        let table_shift = table.map_or(motor_shift, |table| self.mark - table);
-        self.phase = Phase::StoppingAtMark(OriginShift { motor: motor_shift, table: table_shift });
-        Some(HomingAction::Halt)
     }
 }
 

@@ -52,7 +52,7 @@ fn home(rig: &mut Rig, settings: HardStopSettings) -> (HomingReport, f64) {
     panic!("the homing does not end")
 }
 
-/// The stop is rigid, so that its position is that of the reading to a count of 50 nm and the way of a tick, 0.15 µm. The axis then stands
+/// The stop is rigid, so that its position is that of the reading to a count of 50 nm and the travel in a tick, 0.15 µm. The axis then stands
 /// off by the declared distance, once the integral has overcome the friction against the overshoot: 40 N at 150,000 N/m/s times 25/s times
 /// the overshoot of 10 µm take 1.1 s, after which a count of 50 nm and the tick of the stop are left.
 #[test]
@@ -109,7 +109,7 @@ fn what_is_no_stop_is_named() {
     }
 }
 
-/// More force than the axis has, a longer standstill than its force may be at the limit, or a way of the command at the stop that a monitor
+/// More force than the axis has, a longer standstill than its force may be at the limit, or a command that moves on at the stop by what a monitor
 /// would take for a fault: refused before anything moves.
 #[test]
 fn what_a_monitor_would_end_is_refused_by_name() {

@@ -13,7 +13,7 @@ fn at_distance(
     index: Option<u64>,
 ) -> (Homing, Result<Option<HomingAction>, HomingError>) {
     let mut homing = Homing::new(&HomingSettings { mark, ..SETTINGS }, TICK_HZ, true).unwrap();
-    homing.phase = Phase::Moving(Leg::ToIndex { edge: EDGE });
+    homing.progress.phase = Phase::Moving(Leg::ToIndex { edge: EDGE });
     // Towards the negative end.
     let beyond = |distance: u64| Position(EDGE.0 - distance.cast_signed());
     let [at, index] = [Some(distance), index].map(|distance| distance.map(beyond));
