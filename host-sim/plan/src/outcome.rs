@@ -8,6 +8,7 @@ use crate::trial::{Answers, Asked};
 use files::format::significant;
 use model::effects::Effect;
 use model::machine::Machine;
+use model::machine::evidence::Certainty;
 
 /// A motion that was tried.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,7 +66,7 @@ impl Expected {
         let mut all = Vec::new();
         for (name, axis) in &model.axis {
             for (effect, evidence) in axis.effect.iter().zip(&axis.evidence) {
-                if evidence.certainty == model::machine::evidence::Certainty::Declared {
+                if evidence.certainty == Certainty::Declared {
                     continue;
                 }
                 let found = answers.found.iter().find(|(of, found, _)| of == name && found.is_same(effect));
@@ -118,8 +119,7 @@ impl Plan {
     pub fn text(&self) -> String {
         let mut parts = vec![self.sentence()];
         parts.extend(self.questions_text());
-        let imitations = self.undecidable.iter().map(Undecidable::sentence);
-        let imitations: Vec<String> = imitations.collect();
+        let imitations: Vec<String> = self.undecidable.iter().map(Undecidable::sentence).collect();
         if !imitations.is_empty() {
             parts.push(imitations.join("\n"));
         }

@@ -1,7 +1,7 @@
 //! What the model of a trace leaves open.
 
 use model::effects::Effect;
-use model::machine::evidence::Certainty;
+use model::machine::evidence::{Certainty, Evidence};
 use model::machine::{Axis, Machine};
 
 /// An effect and its rivals: which of them does the machine have? Without rivals: does it have the effect, where more than the noise
@@ -33,8 +33,7 @@ pub struct Undecidable {
 #[must_use]
 pub fn questions(model: &Machine) -> Vec<Question> {
     let of_axis = |(name, axis): (&String, &Axis)| {
-        let of_effect = |(index, (effect, evidence)): (usize, (&Effect, &_))| {
-            let evidence: &model::machine::evidence::Evidence = evidence;
+        let of_effect = |(index, (effect, evidence)): (usize, (&Effect, &Evidence))| {
             let candidates: Vec<Effect> =
                 std::iter::once(effect).chain(&evidence.alternatives).cloned().collect();
             // What the channels do not tell apart stays ambiguous in every motion.
@@ -52,7 +51,7 @@ pub fn undecidable(model: &Machine) -> Vec<Undecidable> {
     let of_axis = |(name, axis): (&String, &Axis)| {
         let open = axis.evidence.iter().filter(|one| one.certainty == Certainty::Ambiguous);
         let alone = open.filter(|one| !one.decided_by.is_empty());
-        let of = |one: &model::machine::evidence::Evidence| Undecidable {
+        let of = |one: &Evidence| Undecidable {
             axis: name.clone(),
             effect: one.effect.clone(),
             rivals: one.rivals.clone(),
@@ -70,11 +69,8 @@ pub fn declared(model: &Machine) -> Machine {
     for axis in machine.axis.values_mut() {
         let found: Vec<bool> = axis.evidence.iter().map(|one| one.certainty != Certainty::Declared).collect();
         *axis = axis.at_nominal();
-        let mut number = 0;
-        axis.effect.retain(|_| {
-            number += 1;
-            !found.get(number - 1).copied().unwrap_or(false)
-        });
+        let mut found = found.into_iter();
+        axis.effect.retain(|_| !found.next().unwrap_or(false));
     }
     machine
 }

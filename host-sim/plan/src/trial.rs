@@ -7,7 +7,7 @@ use commissioning::compensate::controller_host::ControllerHost;
 use commissioning::compensate::file::CompensationFile;
 use commissioning::compensate::prediction::{self, PredictionError, TestMotion};
 use files::error::InputError;
-use files::log::{AxisLog, Log};
+use files::log::{AxisLog, Channel, Log};
 use model::effects::Effect;
 use model::machine::Machine;
 use motion::Motion;
@@ -110,17 +110,11 @@ fn keep_logged(axis: &mut AxisLog, logs: &[Log]) {
     }
     let same: Vec<&AxisLog> =
         logs.iter().flat_map(|log| &log.axes).filter(|other| other.name == axis.name).collect();
-    let is_logged = |of: fn(&AxisLog) -> &Option<Vec<f64>>| same.iter().any(|log| of(log).is_some());
-    let keep = |channel: &mut Option<Vec<f64>>, is_logged: bool| {
-        if !is_logged {
-            *channel = None;
+    for channel in Channel::ALL {
+        if same.iter().all(|log| log.channel(channel).is_none()) {
+            *axis.channel_mut(channel) = None;
         }
-    };
-    keep(&mut axis.command, is_logged(|log| &log.command));
-    keep(&mut axis.motor, is_logged(|log| &log.motor));
-    keep(&mut axis.table, is_logged(|log| &log.table));
-    keep(&mut axis.tool, is_logged(|log| &log.tool));
-    keep(&mut axis.force, is_logged(|log| &log.force));
+    }
 }
 
 /// The effects of an axis that are certain.
