@@ -10,8 +10,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::interface::{HomingAction, HomingInput, HomingStatus, LegMotion, at_limit};
 use super::progress::{Phase, Progress, shift_to};
-use super::{Direction, HomingAction, HomingError, HomingInput, HomingStatus, LegMotion, at_limit};
+use super::{Direction, HomingError};
 use crate::feedback::OriginShift;
 use crate::interpolate::PathError;
 use crate::units::{PER_M, PER_NM, Position, TRAVEL_LIMIT_M};

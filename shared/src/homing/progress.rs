@@ -1,6 +1,7 @@
 //! How far a homing is.
 
-use super::{HomingAction, HomingError, HomingStatus};
+use super::HomingError;
+use super::interface::{HomingAction, HomingStatus};
 use crate::feedback::{OriginShift, Reading};
 use crate::interpolate::PathError;
 use crate::units::Position;

@@ -1,6 +1,7 @@
 //! A homing of either kind.
 
-use super::{HardStop, Homing, HomingAction, HomingInput, HomingStatus, LegMotion};
+use super::interface::{HomingAction, HomingInput, HomingStatus, LegMotion};
+use super::{HardStop, Homing};
 use crate::interpolate::PathError;
 
 /// A homing to the mark of a home switch, or to a hard stop.

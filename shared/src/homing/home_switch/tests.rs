@@ -8,7 +8,7 @@ mod limits;
 use proptest::prelude::*;
 
 use super::*;
-use crate::interpolate::PathError;
+use crate::homing::Direction;
 
 const TICK_HZ: f64 = 20_000.0;
 
