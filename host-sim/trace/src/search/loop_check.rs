@@ -7,7 +7,7 @@ use crate::fit::least_squares;
 use crate::fit::scope::Scope;
 use model::effects::{Effect, KINDS, Stage};
 
-/// Largest number of steps of the fit of what hides the friction.
+/// Largest number of steps of a fit to the closed loop.
 const STEPS: usize = 3;
 
 /// The check of candidates of one scope.
@@ -21,6 +21,15 @@ pub struct LoopCheck<'a> {
     pub scope: &'a Scope,
 }
 
+/// What is fitted to the closed loop before it judges a candidate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum LoopState {
+    /// Nothing.
+    Declared,
+    /// The mass and the timing of the loop. While these are wrong, they may leave so much that a correct force leaves more than a wrong one.
+    Fitted,
+}
+
 impl LoopCheck<'_> {
     /// Whether held-out data support a candidate, and the residual of the closed loop does not increase much.
     ///
@@ -30,20 +39,21 @@ impl LoopCheck<'_> {
     #[must_use]
     pub fn supports(&self, base: &AxisModel, candidate: &Candidate) -> bool {
         let options = &self.data.options.search;
-        let loss = || self.loss(base, candidate);
+        let loss = |state| self.loss(base, candidate, state);
         let is_alone = self.scope.stages == [Stage::Force];
         if candidate.is_supported(options) {
             // Some loss is tolerated, as a correct friction may reveal another error in the model of the closed loop.
             let max = options.tolerable_loss(candidate.gain);
-            return loss().is_none_or(|loss| loss <= max);
+            let tolerates = |state| loss(state).is_none_or(|loss| loss <= max);
+            return tolerates(LoopState::Declared) || tolerates(LoopState::Fitted);
         }
-        let is_confirmed = || loss().is_some_and(|loss| loss <= -options.min_gain());
+        let is_confirmed = || loss(LoopState::Declared).is_some_and(|loss| loss <= -options.min_gain());
         is_alone && changes_loop(candidate) && candidate.is_consistent(options) && is_confirmed()
     }
 
     /// Increase of the logarithm of the motor stage's rms caused by a candidate, averaged over the logs. `None` if the
     /// candidate does not change the loop or was fitted to it.
-    fn loss(&self, base: &AxisModel, candidate: &Candidate) -> Option<f64> {
+    fn loss(&self, base: &AxisModel, candidate: &Candidate, state: LoopState) -> Option<f64> {
         let (Some(servo), Some(fitted), true) = (self.servo, &candidate.fitted, changes_loop(candidate))
         else {
             return None;
@@ -51,7 +61,7 @@ impl LoopCheck<'_> {
         if servo.stages == self.scope.stages {
             return None;
         }
-        let [before, after] = [base, &fitted.model].map(|model| self.motor_residuals(model, servo));
+        let [before, after] = [base, &fitted.model].map(|model| self.motor_residuals(model, servo, state));
         let of_log = |residuals: &[ResidualSeries], log: usize| {
             self.data.rms(&residuals[log..=log], Stage::Motor).max(1e-12)
         };
@@ -62,11 +72,12 @@ impl LoopCheck<'_> {
 
     /// The residuals of the motor stage. If the scope is the force stage alone, effects that hide the influence of friction on the
     /// loop are fitted first, although they are searched for later.
-    fn motor_residuals(&self, model: &AxisModel, servo: &Scope) -> Vec<ResidualSeries> {
+    fn motor_residuals(&self, model: &AxisModel, servo: &Scope, state: LoopState) -> Vec<ResidualSeries> {
         let has = |effect: &Effect| model.axis.effect.iter().any(|other| other.is_same(effect));
         let hiding = KINDS.iter().filter_map(|kind| (kind.hides_friction)());
-        let missing: Vec<Effect> = hiding.filter(|effect| !has(effect)).collect();
-        if self.scope.stages != [Stage::Force] || missing.is_empty() {
+        let is_alone = self.scope.stages == [Stage::Force];
+        let missing: Vec<Effect> = hiding.filter(|effect| is_alone && !has(effect)).collect();
+        if state == LoopState::Declared && missing.is_empty() {
             return self.data.residuals(model, servo);
         }
         let mut model = missing.into_iter().fold(model.clone(), |model, effect| model.with(effect));
