@@ -33,6 +33,7 @@ pub mod steady_line;
 pub mod step;
 pub mod stuck;
 pub mod stuck_force;
+pub mod turns;
 pub mod unit;
 
 pub use examine::{Examined, examine, exclude_interpolated, interpolate_lost_rows};

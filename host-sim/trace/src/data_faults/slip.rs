@@ -9,6 +9,7 @@ use super::findings::{ChannelLocation, Findings};
 use super::jumps::{self, Jump, Relative};
 use super::spike::{self, Spike};
 use super::step::best_step;
+use super::turns::Turns;
 use crate::options::FaultOptions;
 use files::log::Channel;
 
@@ -17,9 +18,6 @@ const MAX_DEVIATION: f64 = 0.35;
 /// Smallest change of acceleration at which a jump of the tool is no fault, mm/s². A tool that jumps by 5 µm at a smaller one
 /// would bend by more than 25 µm per m/s².
 const MIN_ACCELERATION_MM_PER_S2: f64 = 200.0;
-/// Smallest motion on each side of a reversal, mm, and the samples in which the axis makes it.
-const MIN_MOVE_MM: f64 = 1e-3;
-const AROUND: usize = 50;
 /// Largest ratio of the lasting to the momentary displacement at a spike.
 const MAX_REMAINDER: f64 = 0.3;
 
@@ -43,26 +41,6 @@ fn follows_acceleration(place: &ChannelLocation<'_>, sample: usize) -> bool {
                     > MIN_ACCELERATION_MM_PER_S2
             })
         })
-}
-
-/// Whether a jump of the tool is at a reversal of an axis: clearances between table and tool turn over there, in every reversal.
-fn follows_reversal(place: &ChannelLocation<'_>, sample: usize) -> bool {
-    place.channel == Channel::Tool
-        && place.log.axes.iter().any(|axis| {
-            let motion = axis.table.as_ref().or(axis.motor.as_ref()).or(axis.command.as_ref());
-            motion.is_some_and(|values| is_reversal(values, sample))
-        })
-}
-
-/// Whether a reading (mm) moves in opposite directions before and after a sample, by more than [`MIN_MOVE_MM`] within [`AROUND`]
-/// samples on each side.
-fn is_reversal(values: &[f64], sample: usize) -> bool {
-    let at = |sample: Option<usize>| sample.and_then(|sample| values.get(sample));
-    let (before, after) = (sample.checked_sub(AROUND), sample.checked_add(AROUND));
-    let (Some(before), Some(now), Some(after)) = (at(before), at(Some(sample)), at(after)) else {
-        return false;
-    };
-    (now - before) * (after - now) < 0.0 && (now - before).abs().min((after - now).abs()) > MIN_MOVE_MM
 }
 
 /// Change of the acceleration (mm/s²) of a reading (mm) at a sample: the difference between the parabolas through the first,
@@ -95,6 +73,9 @@ fn remove(values: &mut [f64], place: &ChannelLocation<'_>, options: &FaultOption
     let smallest = jumps::smallest(values, reference, options);
     let jumps: Vec<Jump> = jumps::jumps(Relative { values, reference }, smallest, options);
     let groups = jumps::groups(&jumps);
+    // Clearances between table and tool turn over in every reversal.
+    let may_turn = place.channel == Channel::Tool && !groups.is_empty();
+    let turns = may_turn.then(|| Turns::of(place.log));
     let mut displaced = Displaced::default();
     for (number, group) in groups.iter().enumerate() {
         let (Some(first), Some(last)) = (group.first(), group.last()) else { continue };
@@ -110,7 +91,7 @@ fn remove(values: &mut [f64], place: &ChannelLocation<'_>, options: &FaultOption
         let is_of_machine = |jump: &Jump| {
             is_shared(place, jump)
                 || follows_acceleration(place, jump.sample)
-                || follows_reversal(place, jump.sample)
+                || turns.as_ref().is_some_and(|turns| turns.are_at(jump.sample))
         };
         if group.iter().any(is_of_machine) {
             continue;
