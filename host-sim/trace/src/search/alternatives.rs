@@ -14,7 +14,8 @@ use crate::fit::scope::Scope;
 use model::effects::{Effect, Found, KINDS, Substitute};
 
 /// The fit in which each found effect, or an alternative of it, explains the logs better. Rivals that the rounds have of an effect in
-/// another form remain if they explain the logs as well as the form that was taken.
+/// another form remain if they explain the logs as well as the form that was taken. An alternative that explains them as well as the found
+/// effect, which stays beside it in another form, becomes a rival.
 #[must_use]
 pub fn with_better_alternatives(
     data: &FitData<'_>,
@@ -28,7 +29,18 @@ pub fn with_better_alternatives(
             let Some(index) = index.filter(|_| scope.holds(&effect)) else { break };
             let (taken, is_alone) = (substitute.effect.clone(), substitute.beside.is_none());
             let Some(start) = replaced(&base.model, index, substitute) else { continue };
-            let Some(other) = better(data, &base, &start, scope) else { continue };
+            let other = least_squares::fit(data, &start, scope, least_squares::STEPS);
+            if !is_better(data, &base, &other, scope) {
+                let rival = (!is_alone).then(|| rival(data, &base, &other, &taken, scope)).flatten();
+                if let (Some(rival), Some(round)) = (rival, rounds.last_mut()) {
+                    round.ambiguities.push(Ambiguity {
+                        added: effect.clone(),
+                        rival,
+                        with_rival: other.model,
+                    });
+                }
+                continue;
+            }
             if is_alone && has_needless(data, &other.model) && !has_needless(data, &base.model) {
                 continue;
             }
@@ -70,6 +82,24 @@ fn replaced(model: &AxisModel, index: usize, substitute: Substitute<Effect>) -> 
     })
 }
 
+/// The substitute of a found effect as fitted, if it is more than its tolerance and the logs do not speak for the found effect alone. A mode far above
+/// the frequencies of the motion is, with another damping ratio and a late reading, the same.
+fn rival(
+    data: &FitData<'_>,
+    base: &Fitted,
+    other: &Fitted,
+    substitute: &Effect,
+    scope: &Scope,
+) -> Option<Effect> {
+    let rival = other.model.found().iter().find(|found| found.is_same(substitute))?;
+    let settings = &other.model.nominal().settings;
+    let options = &data.options.search;
+    let stages = compare(&scores(other), &scores(base), &scope.stages, options);
+    let is_rival = rival.exceeds_tolerance(settings, data.rates)
+        && stages.iter().all(|stage| is_as_good(stage, options));
+    is_rival.then(|| rival.clone())
+}
+
 /// Whether the rival of an effect explains the logs as well as the form of the effect that replaced the one of the round.
 fn is_still_as_good(data: &FitData<'_>, base: &Fitted, ambiguity: &Ambiguity, scope: &Scope) -> bool {
     let index = base.model.found().iter().position(|found| found.is_same(&ambiguity.added));
@@ -87,12 +117,11 @@ fn has_needless(data: &FitData<'_>, model: &AxisModel) -> bool {
     model.found().iter().any(|effect| !effect.exceeds_tolerance(settings, data.rates))
 }
 
-/// The fit from another start, if on held-out data a stage gains significantly and none loses significantly.
-fn better(data: &FitData<'_>, base: &Fitted, start: &AxisModel, scope: &Scope) -> Option<Fitted> {
+/// Whether with another fit a stage gains significantly on held-out data and none loses significantly.
+fn is_better(data: &FitData<'_>, base: &Fitted, other: &Fitted, scope: &Scope) -> bool {
     let options = &data.options.search;
-    let other = least_squares::fit(data, start, scope, least_squares::STEPS);
-    let stages = compare(&scores(base), &scores(&other), &scope.stages, options);
+    let stages = compare(&scores(base), &scores(other), &scope.stages, options);
     let gains = stages.iter().any(|c| c.t > options.chance_t && c.reduction >= options.min_reduction);
     let loses = stages.iter().any(|c| c.t <= -options.chance_t && c.reduction <= -options.min_reduction);
-    (gains && !loses).then_some(other)
+    gains && !loses
 }
