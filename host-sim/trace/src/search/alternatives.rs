@@ -117,11 +117,14 @@ fn has_needless(data: &FitData<'_>, model: &AxisModel) -> bool {
     model.found().iter().any(|effect| !effect.exceeds_tolerance(settings, data.rates))
 }
 
-/// Whether with another fit a stage gains significantly on held-out data and none loses significantly.
+/// Whether with another fit a stage gains significantly on held-out data and none loses significantly. What has fewer parameters may gain less than
+/// an effect has to: a wave of the resolver with a period of its own, near that of the screw, left 2.7 % more than one of the screw.
 fn is_better(data: &FitData<'_>, base: &Fitted, other: &Fitted, scope: &Scope) -> bool {
     let options = &data.options.search;
+    let is_simpler = other.parameters.len() < base.parameters.len();
+    let min_reduction = if is_simpler { 0.0 } else { options.min_reduction };
     let stages = compare(&scores(base), &scores(other), &scope.stages, options);
-    let gains = stages.iter().any(|c| c.t > options.chance_t && c.reduction >= options.min_reduction);
-    let loses = stages.iter().any(|c| c.t <= -options.chance_t && c.reduction <= -options.min_reduction);
+    let gains = stages.iter().any(|c| c.t > options.chance_t && c.reduction >= min_reduction);
+    let loses = stages.iter().any(|c| c.t <= -options.chance_t && c.reduction <= -min_reduction);
     gains && !loses
 }

@@ -80,3 +80,31 @@ fn a_mode_beside_a_late_reading() {
 fn a_load_while_the_timing_of_the_loop_is_unknown() {
     assert_exact(Kind::Textbook, 20_261_129, 13);
 }
+
+/// A reading 0.31 ms late and an in-talk of −0.16 µm per m/s² were a mode of 376 Hz with a damping ratio of 0.2, certain: far above the
+/// frequencies of the motion, where a mode is a delay of 2ζ/ω and an in-talk of −1/ω².
+#[test]
+fn a_late_reading_with_an_in_talk_is_no_certain_mode() {
+    let case = Case::draw_kind(Kind::Small, 20_261_129, 4).unwrap();
+    let trace = self_test::traced(&case, &|_| ()).unwrap();
+    let found = trace["effects"].as_array().unwrap();
+    for mode in found.iter().filter(|found| found["name"] == "resonance") {
+        assert_eq!(mode["certainty"], "ambiguous", "{mode}");
+        assert!(mode["rivals"].to_string().contains("latency"), "{mode}");
+    }
+    // Nothing that is stated as a fact is false.
+    let certain = found.iter().filter(|found| found["certainty"] == "certain");
+    let names: Vec<_> = certain.map(|found| found["name"].as_str().unwrap()).collect();
+    assert!(names.iter().all(|name| ["latency", "constant_load", "intalk"].contains(name)), "{names:?}");
+}
+
+/// A wave of the screw of 4.5 µm beside one of the resolver of 6.3 µm and half its period: a second wave of the resolver, with a period of its own
+/// of 19.9997 mm, certain.
+#[test]
+fn a_wave_of_the_screw_beside_one_of_the_resolver() {
+    let case = Case::draw_kind(Kind::Many, 20_261_129, 11).unwrap();
+    let outcome = self_test::trace_and_score(&case, &|_| ()).unwrap();
+    let count = |name: &str| outcome.found.iter().filter(|(found, _)| found == name).count();
+    assert_eq!([count("pitch_cyclic"), count("resolver_dividing")], [1, 1], "{:?}", outcome.found);
+    assert!(outcome.missed().is_empty() && outcome.false_finds().is_empty(), "{:?}", outcome.found);
+}
