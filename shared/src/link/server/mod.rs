@@ -4,6 +4,7 @@
 //! [`SharedDrive::with`]: ticks go on meanwhile.
 
 mod block_limits;
+mod compensation_reader;
 mod excitation;
 mod hard_stop;
 mod motion;
