@@ -17,6 +17,7 @@ pub mod link;
 pub mod lockstep;
 pub mod machine;
 pub mod monitor;
+pub mod probing;
 pub mod safety;
 pub mod scalar;
 pub mod storage;

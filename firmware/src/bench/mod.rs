@@ -40,6 +40,9 @@ const START_M: [f64; AXES] = [-0.0312, 0.0174];
 /// Tables beyond this position are on their home switch, m.
 const HOME_SWITCH_M: f64 = -0.09;
 
+/// Position of the table of x from which on its probe touches a workpiece, m.
+pub const WORKPIECE_M: f64 = -0.02;
+
 /// Distance of the limit switches beyond the travel, m.
 const LIMIT_SWITCH_M: f64 = 5e-3;
 
@@ -140,6 +143,8 @@ pub struct OperatorInputs {
     pub y_loaded: bool,
     /// A hard stop is before x, at −60 mm of the machine.
     pub x_stop: bool,
+    /// A workpiece is before x, whose probe is on its table, from [`WORKPIECE_M`] on.
+    pub x_workpiece: bool,
     /// The next tick with the power stages on takes one and a half periods.
     pub slow_tick: bool,
     /// The interrupts are held off for two periods.
@@ -164,6 +169,7 @@ impl Bench {
                 y_vertical: false,
                 y_loaded: false,
                 x_stop: false,
+                x_workpiece: false,
                 slow_tick: false,
                 held_off: false,
             },
@@ -215,7 +221,10 @@ impl Board<AXES, DriveSignal> for Bench {
             motor_index: axis.take_index(),
             ..AxisInputs::NONE
         });
-        Inputs { axes, emergency_stop: self.operator_inputs.emergency_stop, supply: SUPPLY }
+        let [x, _] = &self.axes;
+        let probe_touched = self.operator_inputs.x_workpiece && !x.is_below(WORKPIECE_M);
+        let emergency_stop = self.operator_inputs.emergency_stop;
+        Inputs { axes, emergency_stop, probe_touched, supply: SUPPLY }
     }
 
     fn enable_switch_closed(&mut self) -> bool {

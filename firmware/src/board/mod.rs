@@ -123,7 +123,7 @@ impl Parts {
         let timers = Timers { x: device.TIM3, y: device.TIM4, x_scale: device.TIM5, y_scale: device.TIM8 };
         let sensors = Sensors::new(table, timers, &mut rcc)?;
         switches::set_up(
-            (a.pa3, a.pa10),
+            (a.pa3, a.pa10, a.pa15),
             (b.pb1, b.pb2, b.pb3, b.pb5, b.pb9, b.pb13, b.pb15),
             (c.pc9, c.pc12),
         );
@@ -206,6 +206,7 @@ impl Board<AXES, DriveSignal> for Hardware {
         Inputs {
             axes: core::array::from_fn(|axis| self.axis_inputs(axis)),
             emergency_stop: self.switches.is_stopped(),
+            probe_touched: self.switches.is_probe_touched(),
             supply: Supply {
                 bus_mv: Some(self.bus.value(bus).max(0).cast_unsigned()),
                 temperature_mc: Some(self.temperature.value(temperature)),

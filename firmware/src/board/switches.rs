@@ -1,6 +1,6 @@
 //! Switches and fault inputs: each port is read once in a tick, so that all inputs are of the same moment.
 //!
-//! Limit switches, drive faults and the stop are closed contacts to 3.3 V with pull-downs: a broken wire reads as active. Home
+//! Limit switches, drive faults, the stop and the probe are closed contacts to 3.3 V with pull-downs: a broken wire reads as active. Home
 //! switches close when active: with a broken wire no switch is found. The signal of a scale is high while it is there: a broken wire reads
 //! as lost.
 
@@ -29,9 +29,11 @@ const HOMES: [u32; AXES] = [1 << 9, 1 << 12];
 
 /// Bits of port A: the scale has a signal.
 const SCALE_SIGNALS: [u32; AXES] = [1 << 3, 1 << 10];
+/// The probe.
+const PROBE: u32 = 1 << 15;
 
 /// The pins of port A.
-pub type PinsA = (gpio::PA3, gpio::PA10);
+pub type PinsA = (gpio::PA3, gpio::PA10, gpio::PA15<gpio::Debugger>);
 
 /// The pins of port B.
 pub type PinsB =
@@ -42,7 +44,7 @@ pub type PinsC = (gpio::PC9, gpio::PC12);
 
 /// Makes the pins inputs with pull-downs.
 pub fn set_up(a: PinsA, b: PinsB, c: PinsC) {
-    let _ = (a.0.into_pull_down_input(), a.1.into_pull_down_input());
+    let _ = (a.0.into_pull_down_input(), a.1.into_pull_down_input(), a.2.into_pull_down_input());
     let (pb1, pb2, pb3, pb5, pb9, pb13, pb15) = b;
     let _ = (
         pb1.into_pull_down_input(),
@@ -72,6 +74,11 @@ impl Switches {
     /// Whether the stop contact is open.
     pub const fn is_stopped(self) -> bool {
         self.b & STOP == 0
+    }
+
+    /// Whether the probe is touched, or not connected.
+    pub const fn is_probe_touched(self) -> bool {
+        self.a & PROBE == 0
     }
 
     /// Whether the scale of each axis has a signal; one whose signal is not connected is taken to have one.

@@ -18,6 +18,7 @@ pub const END: u8 = b'q';
 /// | `v`, `h` | y is vertical with a brake, horizontal |
 /// | `a`, `d` | puts 3 kg on the table of y, takes them away |
 /// | `b`, `u` | puts a hard stop before x, takes it away |
+/// | `p`, `x` | puts a workpiece before the probe of x, takes it away |
 /// | `s`, `i` | makes the next tick with the stages on slow, holds off the interrupts of the ticks |
 pub fn operate(operator_inputs: &mut OperatorInputs, byte: u8) -> bool {
     let (input, on) = match byte {
@@ -39,6 +40,8 @@ pub fn operate(operator_inputs: &mut OperatorInputs, byte: u8) -> bool {
         b'd' => (&mut operator_inputs.y_loaded, false),
         b'b' => (&mut operator_inputs.x_stop, true),
         b'u' => (&mut operator_inputs.x_stop, false),
+        b'p' => (&mut operator_inputs.x_workpiece, true),
+        b'x' => (&mut operator_inputs.x_workpiece, false),
         b's' => (&mut operator_inputs.slow_tick, true),
         b'i' => (&mut operator_inputs.held_off, true),
         _ => return false,

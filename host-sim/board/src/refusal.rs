@@ -8,6 +8,7 @@ use shared::link::halt::Halt;
 use shared::link::history::HistoryEvent;
 use shared::link::refusal::{DirectionProblem, SettingProblem, UploadError};
 use shared::link::report::{HomingFailure, SettingsReport, SettingsSource, StoredRecord};
+use shared::probing::ProbeError;
 use shared::safety::{Fault, FaultKind};
 
 /// Names of the axes of a board.
@@ -67,6 +68,7 @@ pub fn text(refusal: &Refusal) -> String {
         Refusal::Override { max } => format!("the override: expected a number from 0 to {max} %"),
         Refusal::NothingMoves => "nothing moves or is held: an override applies to a motion that runs".into(),
         Refusal::Excitation(problem) => excitation_problem(*problem).into(),
+        Refusal::Probe(error) => probe(*error),
         Refusal::BrakesMove => "its brakes open or close, and the drives hold the axes; try again".into(),
         Refusal::Busy => "the path changes too fast; try again".into(),
     }
@@ -227,6 +229,17 @@ pub fn homing(failure: HomingFailure) -> String {
         HomingFailure::Stopped => "it was stopped".into(),
         HomingFailure::DrivesOff => "the drives went off".into(),
         HomingFailure::Path(error) => format!("a motion was rejected: {}", path(error)),
+    }
+}
+
+/// Why nothing was probed, in words.
+#[must_use]
+pub fn probe(error: ProbeError) -> String {
+    match error {
+        ProbeError::Path(error) => format!("a motion was rejected: {}", path(error)),
+        ProbeError::Stopped => "it was stopped".into(),
+        ProbeError::DrivesOff => "the drives went off".into(),
+        other => other.to_string(),
     }
 }
 

@@ -9,7 +9,7 @@ pub trait Board<const N: usize, Signal = Duty> {
     /// The present readings of all axes.
     fn readings(&mut self) -> [Reading; N];
 
-    /// The present inputs. A broken wire must read as the active state of a limit switch, a drive fault and an emergency stop.
+    /// The present inputs. A broken wire must read as the active state of a limit switch, a drive fault, an emergency stop and a probe.
     /// Called before [`Board::readings`] in each tick. A board without such inputs keeps the default.
     fn inputs(&mut self) -> Inputs<N> {
         Inputs::NONE

@@ -15,7 +15,7 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
     /// not close the loops then; opening the switch ends it. Not part of a tick.
     ///
     /// # Errors
-    /// [`DirectionCheckError::NotReady`] unless the drives are off without a fault and neither check nor homing runs,
+    /// [`DirectionCheckError::NotReady`] unless the drives are off without a fault and no check, homing or probing runs,
     /// [`DirectionCheckError::StepDrive`], [`DirectionCheckError::Brake`], [`DirectionCheckError::Setting`]. Nothing is changed then.
     pub fn check_direction(
         &mut self,
@@ -23,8 +23,7 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
         settings: &DirectionCheckSettings,
     ) -> Result<(), DirectionCheckError> {
         let rates = self.machine().rates().filter(|_| axis < N).ok_or(DirectionCheckError::NotReady)?;
-        let is_homing = self.homing.as_ref().is_some_and(|(_, homing)| homing.is_running());
-        if self.machine().power() != Power::Off || is_homing || self.is_checking() {
+        if self.machine().power() != Power::Off || self.runs_sequence() || self.is_checking() {
             return Err(DirectionCheckError::NotReady);
         }
         if !self.follows_force(axis) {

@@ -8,10 +8,10 @@ use super::enabling::{Enabling, NotArmed};
 use super::inputs::{Inputs, SupplyLimits};
 use super::limit_guard::LimitGuard;
 use super::output::{Demand, DriveOutput};
+use super::sequence::Sequence;
 use super::status_light::StatusLight;
 use super::tick_watch::{TickClock, TickCounts, TickWatch};
 use crate::feedback::{OriginShift, Reading};
-use crate::homing::HomingRun;
 use crate::machine::{Machine, Output};
 use crate::safety::{Fault, FaultKind};
 use crate::scalar::Scalar;
@@ -39,8 +39,8 @@ pub struct DriveSystem<'m, S: Scalar, const N: usize, O = Amplifier<S>> {
     pub(super) tick_watch: TickWatch,
     /// Origin of each axis, from the position at power-up.
     pub(super) origins: [OriginShift; N],
-    /// The homing that runs or that ran last, and its axis.
-    pub(super) homing: Option<(usize, HomingRun)>,
+    /// The homing or probing that runs or that ran last, and its axis.
+    pub(super) sequence: Option<(usize, Sequence)>,
     /// Forces of the last tick.
     pub(super) forces: [S; N],
     inputs: Inputs<N>,
@@ -76,7 +76,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
             limit_guard: LimitGuard::new(),
             tick_watch: TickWatch::new(None),
             origins: [OriginShift { motor: 0, table: 0 }; N],
-            homing: None,
+            sequence: None,
             forces: [S::ZERO; N],
             direction_check_run: None,
             inputs: Inputs::NONE,
@@ -176,6 +176,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
         let from_power_up = board.readings();
         self.machine.set_limit_switches(self.inputs.axes.map(|axis| axis.limits));
         self.home_tick(&from_power_up);
+        self.probe_tick(&from_power_up);
         for ((reading, raw), origin) in self.readings.iter_mut().zip(from_power_up).zip(self.origins) {
             *reading = raw.shifted(origin);
         }
@@ -249,7 +250,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
             self.machine.fault(fault);
         }
         let onto_switch = self.limit_guard.moves_onto_switch(&self.inputs.axes, commands);
-        let homing = self.homing.as_ref().filter(|(_, homing)| homing.is_running()).map(|(axis, _)| *axis);
+        let homing = self.homing_axis();
         for (axis, (input, onto_switch)) in self.inputs.axes.iter().zip(onto_switch).enumerate() {
             // A homing reacts to the switches itself.
             let at_limit = onto_switch && homing != Some(axis);

@@ -21,14 +21,20 @@ pub struct Inputs<const N: usize> {
     pub axes: [AxisInputs; N],
     /// Whether the emergency stop is pressed.
     pub emergency_stop: bool,
+    /// Whether the probe is touched.
+    pub probe_touched: bool,
     /// Supply of the power stages.
     pub supply: Supply,
 }
 
 impl<const N: usize> Inputs<N> {
     /// No switch, no fault, no measurement.
-    pub const NONE: Self =
-        Self { axes: [AxisInputs::NONE; N], emergency_stop: false, supply: Supply::NOT_MEASURED };
+    pub const NONE: Self = Self {
+        axes: [AxisInputs::NONE; N],
+        emergency_stop: false,
+        probe_touched: false,
+        supply: Supply::NOT_MEASURED,
+    };
 }
 
 /// The inputs of an axis.

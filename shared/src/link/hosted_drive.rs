@@ -3,6 +3,7 @@
 mod excitation;
 mod feed_override;
 mod halts;
+mod probing;
 mod rest;
 mod settings;
 mod status;
@@ -19,7 +20,7 @@ use crate::drive::direction_check::DirectionCheckSettings;
 use crate::drive::{AnyOutput, Board, DriveSignal, DriveSystem};
 use crate::excitation::Excitation;
 use crate::feedback::Reading;
-use crate::homing::{HardStopSettings, HomingError, HomingSettings, HomingStatus};
+use crate::homing::{HardStopSettings, HomingError, HomingSettings};
 use crate::interpolate::feed_hold::FeedState;
 use crate::interpolate::{Block, PathError};
 use crate::machine::Machine;
@@ -107,13 +108,13 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
         }
         self.readings = tick.readings;
         self.forces = if power.is_on() { tick.output.forces } else { [S::ZERO; N] };
-        let homing = matches!(self.system.homing_status(), Some((_, HomingStatus::Running)));
+        let runs_sequence = self.system.runs_sequence();
         if self.excitation.is_some() {
             // A fault ends it, also one that stops a path and lets the drives on.
             if power != Power::On {
                 self.end_excitation();
             }
-        } else if !power.is_on() || machine.is_at_rest() && self.blocks_left == 0 && !homing {
+        } else if !power.is_on() || machine.is_at_rest() && self.blocks_left == 0 && !runs_sequence {
             (self.activity, self.jog_remaining) = (Activity::Idle, None);
         }
         if !power.is_on() {
@@ -354,15 +355,15 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
         self.system.is_checking()
     }
 
-    /// The motion that a homing waits for.
+    /// The motion that a homing or a probing waits for.
     #[must_use]
-    pub fn homing_leg(&self) -> Option<Block<N>> {
-        self.system.homing_leg()
+    pub fn leg(&self) -> Option<Block<N>> {
+        self.system.leg()
     }
 
-    /// The motion that a homing waited for was appended to the path, or rejected.
-    pub fn homing_leg_planned(&mut self, planned: Result<(), PathError>) {
-        self.system.homing_leg_planned(planned);
+    /// The motion that a homing or a probing waited for was appended to the path, or rejected.
+    pub fn leg_planned(&mut self, planned: Result<(), PathError>) {
+        self.system.leg_planned(planned);
     }
 
     /// The recording.

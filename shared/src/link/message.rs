@@ -16,6 +16,7 @@ use crate::drive::direction_check::DirectionCheckSettings;
 use crate::excitation::ExcitationSettings;
 use crate::homing::HardStopSettings;
 use crate::interpolate::Block;
+use crate::probing::ProbeSettings;
 
 /// Length of the longest upload in bytes: a compensation with every table at its capacity has 7.6 kB.
 pub const LONGEST_UPLOAD: usize = 7680;
@@ -181,6 +182,13 @@ pub enum Request {
     /// frequency response. It lasts until a hold, a stop, the drives off, another session, or a silence of the host by which a path would be
     /// held.
     Excite(ExcitationSettings),
+    /// Moves an axis until the probe is touched, and keeps the positions of that tick.
+    Probe {
+        /// Axis.
+        axis: u8,
+        /// How it is moved.
+        settings: ProbeSettings,
+    },
 }
 
 impl Request {

@@ -15,7 +15,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::{Deserialize, Serialize};
 
 /// Version of the packets and messages.
-pub const VERSION: u8 = 8;
+pub const VERSION: u8 = 9;
 
 /// Number of axes of the messages.
 pub const AXES: usize = 2;
@@ -214,9 +214,9 @@ mod tests {
     #[test]
     fn another_version_is_named() {
         let mut frame = Frame::new();
-        encode_version(9, HEAD, &5u8, &mut frame).unwrap();
+        encode_version(VERSION + 1, HEAD, &5u8, &mut frame).unwrap();
         let end = frame.len() - 1;
-        assert_eq!(decode(&mut frame[..end]), Err(PacketError::Version { found: 9 }));
+        assert_eq!(decode(&mut frame[..end]), Err(PacketError::Version { found: VERSION + 1 }));
     }
 
     #[test]

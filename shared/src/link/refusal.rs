@@ -9,6 +9,7 @@ use crate::drive::direction_check::DirectionCheckError;
 use crate::excitation::ExcitationProblem;
 use crate::interpolate::PathError;
 use crate::machine::MachineError;
+use crate::probing::ProbeError;
 use crate::safety::Fault;
 
 /// The name of a setting.
@@ -118,6 +119,8 @@ pub enum Refusal {
     Excitation(ExcitationProblem),
     /// Brakes open or close, and the drives hold the axes: the request can be repeated.
     BrakesMove,
+    /// Nothing can be probed.
+    Probe(ProbeError),
 }
 
 /// Why the direction of an axis cannot be checked.

@@ -13,6 +13,7 @@ use crate::drive::{Supply, TickCounts};
 use crate::homing::{HomingError, HomingSettings};
 use crate::interpolate::PathError;
 use crate::interpolate::feed_hold::FeedState;
+use crate::probing::ProbeStatus;
 use crate::safety::{Fault, Power};
 use crate::storage::SlotError;
 use crate::units::Position;
@@ -91,6 +92,8 @@ pub enum Activity {
     Homing,
     /// A frequency response is measured at rest.
     Response,
+    /// An axis moves until the probe is touched, or back.
+    Probing,
 }
 
 /// An axis.
@@ -108,7 +111,7 @@ pub struct AxisStatus {
     pub homed: bool,
 }
 
-/// The homing that ran last.
+/// The homing that ran last, if no probing has run since.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum HomingReport {
     /// None has run.
@@ -270,6 +273,8 @@ pub struct Status {
     pub supply: Supply,
     /// The homing that ran last.
     pub homing: HomingReport,
+    /// The probing that runs or that ran last; `None` if a homing has run since.
+    pub probe: Option<ProbeStatus>,
     /// The direction check that ran last.
     pub direction: DirectionReport,
     /// State of the recording.

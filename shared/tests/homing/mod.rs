@@ -103,10 +103,10 @@ fn a_stopped_homing_leaves_the_axis_at_rest_and_relative() {
     system.home(0, &homing()).unwrap();
     for _ in 0..4000 {
         board.run(&mut system, 1);
-        system.plan_homing();
+        system.plan_leg();
     }
     assert!(board.velocity.abs() > 0.01, "{}", board.velocity);
-    system.stop_homing();
+    system.stop_sequence();
     // 20 mm/s at 1 m/s²: 20 ms; the loop settles within 50 ms more. At rest an encoder count is 15 N in one tick: 50 µm/s.
     board.run(&mut system, 4000);
     assert!(board.velocity.abs() < 0.5e-3 && system.machine().is_at_rest(), "{}", board.velocity);
@@ -127,7 +127,7 @@ fn drives_that_go_off_end_the_homing() {
     system.home(0, &homing()).unwrap();
     for _ in 0..4000 {
         board.run(&mut system, 1);
-        system.plan_homing();
+        system.plan_leg();
     }
     board.closed = false;
     board.run(&mut system, 2000);
@@ -137,7 +137,7 @@ fn drives_that_go_off_end_the_homing() {
     let at_m = board.at_m;
     for _ in 0..4000 {
         board.run(&mut system, 1);
-        system.plan_homing();
+        system.plan_leg();
     }
     assert!((board.at_m - at_m).abs() < 1e-6, "{}", board.at_m - at_m);
 }

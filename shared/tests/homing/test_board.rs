@@ -183,7 +183,7 @@ pub fn run_homing(
     system.home(0, settings).unwrap();
     for _ in 0..40 * 20_000 {
         board.run(system, 1);
-        system.plan_homing();
+        system.plan_leg();
         match system.homing_status().unwrap() {
             (_, HomingStatus::Running) => {}
             (_, ended) => {

@@ -115,12 +115,12 @@ fn a_limit_switch_of_another_axis_stops_a_homing() {
         rig.enable();
         rig.drive.home(0, &HOMING).unwrap();
         // The first leg, in which y moves in the positive direction, too.
-        let mut leg = rig.drive.homing_leg().unwrap();
+        let mut leg = rig.drive.leg().unwrap();
         let Shape::Line { to_m: [_, y_m] } = &mut leg.shape else { panic!("{leg:?}") };
         *y_m += 5e-3;
         let planned = rig.drive.machine_mut().jog(&leg);
         assert_eq!(planned, Ok(()));
-        rig.drive.homing_leg_planned(planned);
+        rig.drive.leg_planned(planned);
         rig.run(2000);
         assert_eq!(rig.status().homing, HomingReport::Running);
         rig.plant.limits[1] = other_limits;

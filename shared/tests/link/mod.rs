@@ -14,6 +14,7 @@ mod order;
 mod overrides;
 
 mod power_loss;
+mod probing;
 mod recordings;
 mod rig;
 mod saving;

@@ -110,6 +110,8 @@ pub struct TestPlant {
     pub late: bool,
     /// Range in which the home switch of x is active, m.
     pub home_switch_m: Option<[f64; 2]>,
+    /// Where a workpiece begins that the probe of x touches, m; it extends away from zero.
+    pub workpiece_m: Option<f64>,
     /// Active limit switches of each axis, at the negative and the positive end.
     pub limits: [[bool; 2]; 2],
 }
@@ -146,7 +148,8 @@ impl Board<2, DriveSignal> for TestPlant {
         let [x_m, _] = self.position_m;
         let home = self.home_switch_m.is_some_and(|[from_m, to_m]| (from_m..=to_m).contains(&x_m));
         let [x, y] = self.limits.map(|limits| AxisInputs { limits, ..AxisInputs::NONE });
-        Inputs { axes: [AxisInputs { home, ..x }, y], ..Inputs::NONE }
+        let probe_touched = self.workpiece_m.is_some_and(|at_m| at_m.signum() * (x_m - at_m) >= 0.0);
+        Inputs { axes: [AxisInputs { home, ..x }, y], probe_touched, ..Inputs::NONE }
     }
 
     fn readings(&mut self) -> [Reading; 2] {

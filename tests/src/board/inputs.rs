@@ -83,6 +83,8 @@ pub struct Inputs {
     pub home: u32,
     /// Scales without a signal: bits of port A.
     pub no_signal: u32,
+    /// The contact of the probe, if it is closed: a bit of port A.
+    pub probe: u32,
     /// The registers of [`INDEX_STATUS`] that were read, in order.
     pub index_reads: Vec<u32>,
 }
@@ -148,7 +150,7 @@ impl Device for Inputs {
                 self.ticked |= self.ticks > 0;
                 0
             }
-            GPIOA_IDR => SCALE_SIGNALS & !self.no_signal,
+            GPIOA_IDR => SCALE_SIGNALS & !self.no_signal | self.probe,
             GPIOC_IDR => self.home,
             TIM5_CNT => self.scale_counts(0),
             TIM8_CNT => self.scale_counts(1),

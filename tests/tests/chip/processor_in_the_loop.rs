@@ -3,6 +3,9 @@
 //! Each controller is in a closed loop with its own copy of the plant, so that a single different bit would grow.
 //! `cargo test --test chip processor_in_the_loop:: -- --nocapture` prints the instructions of a tick.
 
+use std::fs;
+use std::path::Path;
+use std::sync::Mutex;
 use std::time::Instant;
 
 use lockstep::emulator::{DEFAULT_TIMEOUT, Emulator};
@@ -162,6 +165,23 @@ fn compare(format: Format, turns: f64) -> [(u32, u32); 2] {
     costs
 }
 
+/// The row of a format in `docs/firmware.md`, which has the figures as they are counted. `BLESS=1` rewrites them.
+fn assert_documented(name: &str, [position, velocity]: [(u32, u32); 2]) {
+    // Each test rewrites its own row.
+    static ONE: Mutex<()> = Mutex::new(());
+    let _one = ONE.lock();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("docs/firmware.md");
+    let text = fs::read_to_string(&path).unwrap();
+    let start = format!("| {name} |");
+    let shown = text.lines().find(|line| line.starts_with(&start)).expect("a row for each format");
+    let counted = format!("{start} {} | {} | {} | {} |", position.0, position.1, velocity.0, velocity.1);
+    if std::env::var_os("BLESS").is_some() {
+        fs::write(&path, text.replace(shown, &counted)).unwrap();
+    } else {
+        assert_eq!(shown, counted, "docs/firmware.md");
+    }
+}
+
 /// The bounds are a third below and a half above the measured values. A lower count means that instructions are not counted,
 /// a higher one that a change has made the tick slower. At 20 kHz the board has 8400 cycles per tick.
 fn assert_within([position, velocity]: [(u32, u32); 2], bounds: [(u32, u32); 2]) {
@@ -175,17 +195,23 @@ fn assert_within([position, velocity]: [(u32, u32); 2], bounds: [(u32, u32); 2])
 
 #[test]
 fn fixed_point_is_the_same_to_the_last_bit() {
-    assert_within(compare(Format::Fixed, 1.5), [(800, 2500), (250, 500)]);
+    let costs = compare(Format::Fixed, 1.5);
+    assert_within(costs, [(800, 2500), (250, 500)]);
+    assert_documented("fixed", costs);
 }
 
 #[test]
 fn single_precision_is_the_same_to_the_last_bit() {
-    assert_within(compare(Format::F32, 0.2), [(800, 2500), (220, 450)]);
+    let costs = compare(Format::F32, 0.2);
+    assert_within(costs, [(800, 2500), (220, 450)]);
+    assert_documented("f32", costs);
 }
 
 #[test]
 fn double_precision_is_the_same_to_the_last_bit() {
-    assert_within(compare(Format::F64, 0.2), [(3700, 8400), (1450, 3500)]);
+    let costs = compare(Format::F64, 0.2);
+    assert_within(costs, [(3700, 8400), (1450, 3500)]);
+    assert_documented("f64", costs);
 }
 
 /// The comparison detects a change of a gain in the last place.

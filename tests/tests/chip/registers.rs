@@ -72,11 +72,11 @@ const BITS: [(&str, &str, u32, u32); 35] = [
 ];
 
 /// Contacts on port B with pull-downs, so that a broken wire is active: limit switches, drive faults. On port A, where a broken wire is
-/// a scale without a signal. And on port C, where it is
-/// a switch that is not found: home switches.
-const PULLED_DOWN: [(&str, u32); 10] = [
+/// a scale without a signal, and a probe that is touched. And on port C, where it is a switch that is not found: home switches.
+const PULLED_DOWN: [(&str, u32); 11] = [
     ("GPIOA", 3),
     ("GPIOA", 10),
+    ("GPIOA", 15),
     ("GPIOB", 1),
     ("GPIOB", 5),
     ("GPIOB", 9),
@@ -169,7 +169,7 @@ fn the_start_up_writes_the_table() {
         assert!(sets, "{device} {what}: bits {bits:#x} at {offset:#x}");
     }
     for (device, bit) in PULLED_DOWN {
-        // An input (MODER 00, the state after a reset but for PB3) with a pull-down.
+        // An input (MODER 00, the state after a reset but for PB3 and PA15) with a pull-down.
         let sets = written(&accesses, device, 0x0c).any(|value| value >> (2 * bit) & 0b11 == 0b10);
         assert!(sets, "pin {bit} of {device} is not pulled down");
     }

@@ -45,6 +45,10 @@ pub enum Action {
     AddStop,
     /// Take the hard stop away.
     RemoveStop,
+    /// Put a workpiece before the probe of x, 11.2 mm in the positive direction from where x is at power-up.
+    AddWorkpiece,
+    /// Take the workpiece away.
+    RemoveWorkpiece,
     /// The next tick with the drives on takes one and a half periods.
     SlowTick,
     /// The interrupts of the ticks are held off for two periods.
@@ -86,6 +90,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Action::RemoveLoad => (b'd', "The table of y carries nothing more."),
         Action::AddStop => (b'b', "A hard stop is before x."),
         Action::RemoveStop => (b'u', "There is no hard stop before x."),
+        Action::AddWorkpiece => (b'p', "A workpiece is before the probe of x."),
+        Action::RemoveWorkpiece => (b'x', "There is no workpiece before the probe of x."),
         Action::SlowTick => (b's', "The next tick with the drives on takes one and a half periods."),
         Action::HoldOffTicks => (b'i', "The ticks were held off for two periods."),
         Action::End => (END, "The emulator has ended."),

@@ -12,6 +12,7 @@ pub mod monitor;
 pub mod port;
 pub mod ports;
 mod preload;
+mod probe;
 pub mod record;
 pub mod response;
 pub mod simple;
@@ -42,6 +43,8 @@ pub enum Verb {
     CheckDirection(direction::Arguments),
     /// Move an axis to its reference. Switches the drives on if they are off.
     Home(home::Arguments),
+    /// Move an axis until the probe is touched, and tell the positions of that tick. Switches the drives on if they are off.
+    Probe(probe::Arguments),
     /// Feed hold: decelerate along the path, also that of another program at the port; `board resume` continues it.
     Hold(simple::Arguments),
     /// Continue the path after a hold, and wait for its end.
@@ -77,6 +80,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Jog(arguments) => jog::run(arguments),
         Verb::CheckDirection(arguments) => direction::run(arguments),
         Verb::Home(arguments) => home::run(arguments),
+        Verb::Probe(arguments) => probe::run(arguments),
         Verb::Hold(arguments) => simple::hold(arguments),
         Verb::Resume(arguments) => simple::resume(arguments),
         Verb::Stop(arguments) => simple::stop(arguments),

@@ -159,6 +159,7 @@ pub fn path(status: &Status) -> String {
         Activity::Jog => "jog",
         Activity::Homing => "homing",
         Activity::Response => "frequency response",
+        Activity::Probing => "probing",
     };
     let what = &(what.to_owned() + &feed_override(status));
     match status.feed {

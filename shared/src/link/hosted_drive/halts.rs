@@ -18,7 +18,7 @@ impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
     /// Decelerates and discards the rest of the path and of the motion. The override ends.
     pub fn stop(&mut self) {
         (self.blocks_left, self.jog_remaining) = (0, None);
-        self.system.stop_homing();
+        self.system.stop_sequence();
         self.end_excitation();
         self.system.stop_direction_check();
         self.end_override();

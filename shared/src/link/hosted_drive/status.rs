@@ -41,6 +41,7 @@ impl<S: Scalar> HostedDrive<'_, S, AXES> {
                 Some((_, HomingStatus::Homed)) => HomingReport::Homed,
                 Some((_, HomingStatus::Failed(error))) => HomingReport::Failed(error.into()),
             },
+            probe: self.system.probe_status().map(|(_, status)| status),
             direction: match self.system.direction_check() {
                 None => DirectionReport::None,
                 Some((axis, None)) => DirectionReport::Running { axis: number(axis) },

@@ -4,10 +4,12 @@
 //! [`SharedDrive::with`]: ticks go on meanwhile.
 
 mod block_limits;
+mod compensation_reader;
 mod excitation;
 mod hard_stop;
 mod motion;
 mod outside;
+mod probing;
 mod recording;
 mod saving;
 mod state;
@@ -119,7 +121,7 @@ impl Server {
             }
         }
         self.state.feed_motion(drive);
-        self.state.feed_homing(drive);
+        self.state.feed_legs(drive);
         if self.out.is_empty() {
             self.state.stream(drive, &mut self.out);
         }
@@ -304,6 +306,7 @@ impl ServerState {
             }
             Request::Home { axis } => self.home(*axis, drive),
             Request::HomeToStop { axis, settings } => self.home_to_stop(*axis, settings, drive),
+            Request::Probe { axis, settings } => self.probe(*axis, settings, drive),
             Request::Excite(settings) => self.excite(settings, drive),
             Request::NewMotion => self.new_motion(drive),
             Request::AddBlock(block) => self.add_block(block, drive),

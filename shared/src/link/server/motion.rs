@@ -147,11 +147,11 @@ impl ServerState {
         drive.with(|drive| drive.home(usize::from(axis), settings))
     }
 
-    /// Plans the next motion of a homing that waits for it.
-    pub(super) fn feed_homing<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S>) {
-        let Some(leg) = drive.with(|drive| drive.homing_leg()) else { return };
+    /// Plans the next motion of a homing or a probing that waits for it.
+    pub(super) fn feed_legs<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S>) {
+        let Some(leg) = drive.with(|drive| drive.leg()) else { return };
         let planned = self.motion.append(&leg, true, drive, |_| {});
-        drive.with(|drive| drive.homing_leg_planned(planned));
+        drive.with(|drive| drive.leg_planned(planned));
     }
 
     /// Jogs an axis, or renews the jog.

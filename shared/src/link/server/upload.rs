@@ -6,6 +6,7 @@ use super::super::packet;
 use super::super::port::SharedDrive;
 use super::super::refusal::{Refusal, UploadError};
 use super::super::report::SettingsSource;
+use super::compensation_reader;
 use super::state::{Access, ServerState, Upload};
 use crate::compensate::{AxisCompensation, AxisOf, CompensationSettings, Dependence};
 use crate::config::Rates;
@@ -121,7 +122,7 @@ fn settings(bytes: &[u8], tick_hz: u32) -> Result<BoardSettings, Refusal> {
     Ok(settings)
 }
 
-// Tables are large. Each of the following functions is not inlined, and borrows from the result of the one that it calls: one
+// Tables are large. Each of the following functions is not inlined: one
 // copy of the settings and one of the converted tables are on the stack at a time.
 #[inline(never)]
 fn compensate<'m, S: Scalar>(
@@ -133,15 +134,9 @@ fn compensate<'m, S: Scalar>(
     if axis >= AXES {
         return Err(Refusal::NoSuchAxis);
     }
-    match &compensation_settings(bytes) {
-        Ok(settings) => convert_and_set(settings, axis, rates, drive),
-        Err(_) => Err(Refusal::Upload(UploadError::Unreadable)),
-    }
-}
-
-#[inline(never)]
-fn compensation_settings(bytes: &[u8]) -> postcard::Result<CompensationSettings> {
-    packet::message(bytes)
+    let mut settings = CompensationSettings::default();
+    compensation_reader::read(bytes, &mut settings).map_err(|_| Refusal::Upload(UploadError::Unreadable))?;
+    convert_and_set(&settings, axis, rates, drive)
 }
 
 #[inline(never)]

@@ -4,6 +4,7 @@
 use shared::interpolate::PathError;
 use shared::link::message::Jog;
 use shared::link::{Refusal, Reply, Request, Status};
+use shared::probing::{ProbeError, ProbeSettings, ProbeStatus};
 use shared::units::Position;
 use tests::board::Chip;
 use tests::board::inputs::{INDEX_STATUS, SCALE_COUNTS};
@@ -67,6 +68,38 @@ fn each_home_switch_is_that_of_its_axis() {
         let [of_axis, of_other] = [moved_um[usize::from(axis)], moved_um[1 - usize::from(axis)]];
         assert!((3.0..60.0).contains(&(direction * of_axis)), "PC{bit}, axis {axis}: {moved_um:?} µm");
         assert!(of_other.abs() < 1e-3, "PC{bit}, axis {axis}: {moved_um:?} µm");
+    }
+}
+
+/// PA15 is the probe: with an open contact nothing is probed; with a closed one the axis moves until it opens, 3 to 60 µm as in the test above,
+/// and the readings are kept, which stand still here.
+#[test]
+fn the_probe_is_that_of_its_pin() {
+    let (mut chip, mut host) = enabled_by_a_host();
+    let settings =
+        ProbeSettings { distance_m: 1e-3, speed_m_per_s: 0.01, acceleration_m_per_s2: 0.5, retracts: false };
+    let request = Request::Probe { axis: 1, settings };
+    let refused = Reply::Refused(Refusal::Probe(ProbeError::Active));
+    assert_eq!(ask(&mut chip, &mut host, &request), refused);
+    let start = status(&mut chip, &mut host).axes[1].command;
+    for (contact, is_running) in [(1 << 15, true), (0, false)] {
+        if let Some(inputs) = &mut chip.inputs {
+            inputs.probe = contact;
+        }
+        run(&mut chip, 3);
+        if is_running {
+            assert_eq!(ask(&mut chip, &mut host, &request), Reply::Done);
+        }
+        run(&mut chip, 100);
+        let now = status(&mut chip, &mut host);
+        assert_eq!(now.probe == Some(ProbeStatus::Running), is_running, "{:?}", now.probe);
+        if let Some(ProbeStatus::Touched(touch)) = now.probe {
+            assert_eq!((touch.motor, touch.table), (now.axes[1].motor, now.axes[1].table));
+            let moved_um = 1e6 * Position(touch.command - start).to_m();
+            assert!((3.0..60.0).contains(&moved_um), "{moved_um} µm");
+        } else {
+            assert!(is_running, "{:?}", now.probe);
+        }
     }
 }
 

@@ -13,6 +13,7 @@ mod idle;
 mod logs;
 mod overrides;
 mod ports;
+mod probe;
 mod raw_link;
 mod response;
 mod sensors;
