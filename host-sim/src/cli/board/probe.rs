@@ -18,8 +18,8 @@ use shared::units::Position;
 /// Distances, mm.
 const DISTANCES_MM: RangeInclusive<f64> = 1e-3..=1e4;
 
-/// Speeds, mm/s. The board refuses those that are too fast for the axis.
-const SPEEDS_MM_PER_S: RangeInclusive<f64> = 1e-3..=1e3;
+/// Speeds, mm/min. The board refuses those that are too fast for the axis.
+const SPEEDS_MM_PER_MIN: RangeInclusive<f64> = 0.1..=60e3;
 
 /// Accelerations, m/s².
 const ACCELERATIONS_M_PER_S2: RangeInclusive<f64> = 1e-3..=1e3;
@@ -33,8 +33,8 @@ pub struct Arguments {
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     distance_mm: f64,
     /// Speed. The positions are known to within the way in a tick.
-    #[arg(long, value_name = "MM_PER_S", allow_negative_numbers = true)]
-    speed_mm_per_s: f64,
+    #[arg(long, value_name = "MM_PER_MIN", allow_negative_numbers = true)]
+    speed_mm_per_min: f64,
     /// Acceleration of the approach.
     #[arg(long, value_name = "M_PER_S2", allow_negative_numbers = true, default_value_t = 0.5)]
     acceleration_m_per_s2: f64,
@@ -45,12 +45,13 @@ pub struct Arguments {
 
 /// The settings. Their numbers are checked here: the drives are switched on before the board gets them.
 fn settings(arguments: &Arguments) -> Result<ProbeSettings, InputError> {
-    let Arguments { distance_mm, speed_mm_per_s, acceleration_m_per_s2, retract: retracts, .. } = *arguments;
+    let Arguments { distance_mm, speed_mm_per_min, acceleration_m_per_s2, retract: retracts, .. } =
+        *arguments;
     let (from, to) = (DISTANCES_MM.start(), DISTANCES_MM.end());
     let expected = format!("a distance from {from} to {to} mm, positive or negative");
     check_value("--distance-mm", &expected, DISTANCES_MM.contains(&distance_mm.abs()), distance_mm)?;
     for (option, value, range) in [
-        ("--speed-mm-per-s", speed_mm_per_s, SPEEDS_MM_PER_S),
+        ("--speed-mm-per-min", speed_mm_per_min, SPEEDS_MM_PER_MIN),
         ("--acceleration-m-per-s2", acceleration_m_per_s2, ACCELERATIONS_M_PER_S2),
     ] {
         let expected = format!("a number from {} to {}", range.start(), range.end());
@@ -58,7 +59,7 @@ fn settings(arguments: &Arguments) -> Result<ProbeSettings, InputError> {
     }
     Ok(ProbeSettings {
         distance_m: 1e-3 * distance_mm,
-        speed_m_per_s: 1e-3 * speed_mm_per_s,
+        speed_m_per_s: 1e-3 / 60.0 * speed_mm_per_min,
         acceleration_m_per_s2,
         retracts,
     })

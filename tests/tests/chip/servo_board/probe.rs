@@ -7,7 +7,7 @@ use super::emulated_board::EmulatedBoard;
 use super::ports::at_mm;
 
 /// Towards the workpiece, 11.2 mm from the position at power-up, with 0.25 µm in a tick and 1.25 µm in a position tick.
-const PROBE: &str = "board probe --port bench --axis x --distance-mm 15 --speed-mm-per-s 5";
+const PROBE: &str = "board probe --port bench --axis x --distance-mm 15 --speed-mm-per-min 300";
 
 /// The workpiece, mm from the position at power-up, from which the readings of an axis count that is not homed.
 const AT_MM: f64 = 11.2;
@@ -60,7 +60,7 @@ fn what_is_no_touch_is_named() {
     assert!(failed.contains("the probe is touched before the axis moves, or is not connected"), "{failed}");
     // A motion that a second program stops.
     board.succeeds("board jog --port bench --axis x --by-mm -11");
-    let first = board.start(&PROBE.replace("mm-per-s 5", "mm-per-s 1"));
+    let first = board.start(&PROBE.replace("mm-per-min 300", "mm-per-min 60"));
     sleep(Duration::from_secs(2));
     board.succeeds("board stop --port bench");
     let output = first.wait_with_output().unwrap();
@@ -68,7 +68,7 @@ fn what_is_no_touch_is_named() {
     assert!(output.status.code() == Some(1) && message.lines().count() == 1, "{message}");
     assert!(message.contains("stopped"), "{message}");
     // What the axis may not do, and what is no number.
-    let failed = board.fails(1, &PROBE.replace("mm-per-s 5", "mm-per-s 136"));
+    let failed = board.fails(1, &PROBE.replace("mm-per-min 300", "mm-per-min 8160"));
     assert!(failed.contains("x would exceed 8100 mm/min"), "{failed}");
     let failed = board.fails(1, &PROBE.replace("-mm 15", "-mm 201"));
     assert!(failed.contains("travel_m: 0.201 is above 0.2"), "{failed}");
@@ -76,8 +76,8 @@ fn what_is_no_touch_is_named() {
         let failed = board.fails(2, &PROBE.replace("-mm 15", wrong));
         assert!(failed.contains(option), "{failed}");
     }
-    let failed = board.fails(2, &PROBE.replace("mm-per-s 5", "mm-per-s 0"));
-    assert!(failed.contains("--speed-mm-per-s: expected a number from 0.001 to 1000"), "{failed}");
+    let failed = board.fails(2, &PROBE.replace("mm-per-min 300", "mm-per-min 0"));
+    assert!(failed.contains("--speed-mm-per-min: expected a number from 0.1 to 60000"), "{failed}");
 }
 
 /// Without the enable switch nothing moves; with the switch opened on the way, the drives go off and the probing has failed.
@@ -87,7 +87,7 @@ fn it_needs_the_enable_switch() {
     let failed = board.fails(1, PROBE);
     assert!(failed.contains("the enable switch is open"), "{failed}");
     board.succeeds("board bench close-switch");
-    let first = board.start(&PROBE.replace("mm-per-s 5", "mm-per-s 1"));
+    let first = board.start(&PROBE.replace("mm-per-min 300", "mm-per-min 60"));
     sleep(Duration::from_secs(2));
     board.succeeds("board bench open-switch");
     let output = first.wait_with_output().unwrap();
