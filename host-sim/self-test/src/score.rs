@@ -140,7 +140,9 @@ impl Outcome {
         };
         let catalogued = self.truths.iter().filter(|truth| !truth.is_outside());
         catalogued
-            .filter(|truth| !is_rival(truth) && !self.found.iter().any(|found| is_same(truth, found)))
+            .filter(|truth| {
+                !is_rival(truth) && !(0..self.found.len()).any(|found| self.is_found_as(found, truth))
+            })
             .collect()
     }
 
@@ -151,23 +153,34 @@ impl Outcome {
         if self.kind.is_judged() {
             return self.judgement.sure_false.iter().chain(&self.judgement.unsure_false).collect();
         }
-        let is_true = |found: &(String, String)| self.truths.iter().any(|truth| is_same(truth, found));
-        let is_accepted = |(name, axis): &(String, String)| {
-            self.answers.iter().any(|a| a.extra.axis == axis && outside::is_accepted(a.extra.name, name))
-        };
-        let first = self.found.iter().enumerate().filter(|(i, found)| !self.found[..*i].contains(found));
-        first.map(|(_, found)| found).filter(|found| !is_true(found) && !is_accepted(found)).collect()
+        let mut names: Vec<_> = self.false_indices().map(|index| &self.found[index]).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
     }
 
     /// False effects that the trace does not call ambiguous.
     #[must_use]
     pub fn certain_false_finds(&self) -> Vec<&(String, String)> {
-        let is_certain = |(name, axis): &&(String, String)| {
-            let mut same =
-                self.effects.iter().filter(|e| string(e, "name") == *name && string(e, "axis") == *axis);
-            same.any(|effect| string(effect, "certainty") != "ambiguous")
+        let is_certain = |name: &&(String, String)| {
+            let mut same = self.false_indices().filter(|index| self.found[*index] == **name);
+            same.any(|index| string(&self.effects[index], "certainty") != "ambiguous")
         };
         self.false_finds().into_iter().filter(|found| is_certain(found)).collect()
+    }
+
+    /// The effects found that are neither true nor accepted for something outside the catalogue.
+    fn false_indices(&self) -> impl Iterator<Item = usize> {
+        let is_true = |found: usize| self.truths.iter().any(|truth| self.is_found_as(found, truth));
+        let is_accepted = |(name, axis): &(String, String)| {
+            self.answers.iter().any(|a| a.extra.axis == *axis && outside::is_accepted(a.extra.name, name))
+        };
+        (0..self.found.len()).filter(move |&found| !is_true(found) && !is_accepted(&self.found[found]))
+    }
+
+    /// Whether an effect found is a true one: by name, axis and, of a wave, period.
+    fn is_found_as(&self, found: usize, truth: &Truth) -> bool {
+        is_same(truth, &self.found[found]) && has_period(truth, &self.effects[found])
     }
 
     /// Reported faults of the data that are not there, by kind and axis, each once.
@@ -195,8 +208,10 @@ impl Outcome {
         let is_answer = |(name, axis): &(String, String)| {
             self.answers.iter().any(|answer| answer.extra.axis == axis && answer.names.contains(name))
         };
-        let is_duplicate =
-            |i: &usize| self.found[..*i].contains(&self.found[*i]) && !is_answer(&self.found[*i]);
+        let is_true = |found: usize| self.truths.iter().any(|truth| self.is_found_as(found, truth));
+        let is_duplicate = |i: &usize| {
+            self.found[..*i].contains(&self.found[*i]) && is_true(*i) && !is_answer(&self.found[*i])
+        };
         (0..self.found.len()).filter(is_duplicate).count()
     }
 
@@ -277,16 +292,18 @@ fn describes(entry: &Value, truth: &Truth) -> bool {
         }
 }
 
+/// Whether an effect found has the period of a true one, or one of them has no period.
+fn has_period(truth: &Truth, entry: &Value) -> bool {
+    let found = entry["parameters"]["period_mm"]["value"].as_f64();
+    let pair = found.zip(truth.parameter("period_mm"));
+    pair.is_none_or(|(found, period)| (found - period).abs() <= MAX_PERIOD_ERROR * period)
+}
+
 /// Parameters of a true effect in the effects found. Effects of one name on an axis are told apart by their period.
 fn estimates_of(truth: &Truth, effects: &[Value]) -> Vec<Estimate> {
-    let has_period = |entry: &Value| {
-        let found = entry["parameters"]["period_mm"]["value"].as_f64();
-        let pair = found.zip(truth.parameter("period_mm"));
-        pair.is_none_or(|(found, period)| (found - period).abs() <= MAX_PERIOD_ERROR * period)
-    };
     let is_named =
         |entry: &&Value| string(entry, "name") == truth.name && string(entry, "axis") == truth.axis;
-    let same = effects.iter().filter(is_named).filter(|entry| has_period(entry));
+    let same = effects.iter().filter(is_named).filter(|entry| has_period(truth, entry));
     same.flat_map(|entry| estimates(truth, &entry["parameters"])).collect()
 }
 

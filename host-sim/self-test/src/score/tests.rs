@@ -71,6 +71,31 @@ fn effects_of_one_name_are_told_apart_by_their_period() {
     assert!(amplitudes[0] < 1e-12 && (amplitudes[1] - 0.25).abs() < 1e-12, "{amplitudes:?}");
 }
 
+/// A second wave under the name of a true one is false, and certain although the true one is certain, too; 1.9 % are within 2 %.
+#[test]
+fn a_wave_with_another_period_is_another_effect() {
+    let wave = |mm: f64, certainty: &str| {
+        let parameters = json!({"period_mm": {"value": mm, "ci95": [mm, mm]}});
+        json!({"name": "resolver_dividing", "axis": "y", "parameters": parameters, "certainty": certainty})
+    };
+    let truths = [truth("resolver_dividing", "y", &[("amplitude_um", 6.0), ("period_mm", 10.0)])];
+    let score = |effects: &[Value]| {
+        let outcome = Outcome::new(1, &truths, &json!({"effects": effects}));
+        [
+            outcome.missed().len(),
+            outcome.false_finds().len(),
+            outcome.certain_false_finds().len(),
+            outcome.duplicates(),
+        ]
+    };
+    let right = wave(10.19, "certain");
+    assert_eq!(score(std::slice::from_ref(&right)), [0, 0, 0, 0]);
+    assert_eq!(score(&[right.clone(), wave(20.0, "certain")]), [0, 1, 1, 0]);
+    assert_eq!(score(&[right.clone(), wave(20.0, "ambiguous")]), [0, 1, 0, 0]);
+    assert_eq!(score(&[right.clone(), right]), [0, 0, 0, 1]);
+    assert_eq!(score(&[wave(20.0, "certain")]), [1, 1, 1, 0]);
+}
+
 #[test]
 fn an_effect_that_stands_for_something_outside_is_not_false_but_others_are() {
     let shape = [truth("pitch_shape", "y", &[])];
