@@ -25,7 +25,7 @@ struct Motion<'a> {
 }
 
 impl<'a> Turns<'a> {
-    /// Those of a log: of the table of each axis, or of the next channel before it.
+    /// The motions of all axes of a log: those of the table, or of the next channel before it.
     #[must_use]
     pub fn of(log: &'a Log) -> Self {
         let reading = log
