@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::outside::{self, Answer};
-use super::score::{Outcome, is_same};
+use super::score::Outcome;
 use super::truth::{NAMES, OUTSIDE, Truth};
 
 /// Row of false effects that no missed effect accounts for.
@@ -51,8 +51,7 @@ impl Confusion {
     }
 
     fn add(&mut self, outcome: &Outcome) {
-        let is_found = |truth: &&Truth| outcome.found.iter().any(|found| is_same(truth, found));
-        for truth in outcome.truths.iter().filter(is_found) {
+        for truth in outcome.truths.iter().filter(|truth| outcome.finds(truth)) {
             self.count(truth.name, truth.name);
         }
         let (described, undescribed): (Vec<_>, Vec<_>) =

@@ -139,11 +139,13 @@ impl Outcome {
             self.kind.is_judged() && !self.judgement.missed.iter().any(|missed| is_same(truth, missed))
         };
         let catalogued = self.truths.iter().filter(|truth| !truth.is_outside());
-        catalogued
-            .filter(|truth| {
-                !is_rival(truth) && !(0..self.found.len()).any(|found| self.is_found_as(found, truth))
-            })
-            .collect()
+        catalogued.filter(|truth| !is_rival(truth) && !self.finds(truth)).collect()
+    }
+
+    /// Whether a true effect was found.
+    #[must_use]
+    pub(super) fn finds(&self, truth: &Truth) -> bool {
+        (0..self.found.len()).any(|found| self.is_found_as(found, truth))
     }
 
     /// False effects: found but not true, and not accepted for something outside the catalogue. One that is found twice
@@ -153,9 +155,13 @@ impl Outcome {
         if self.kind.is_judged() {
             return self.judgement.sure_false.iter().chain(&self.judgement.unsure_false).collect();
         }
-        let mut names: Vec<_> = self.false_indices().map(|index| &self.found[index]).collect();
-        names.sort_unstable();
-        names.dedup();
+        let mut names: Vec<&(String, String)> = Vec::new();
+        for index in self.false_indices() {
+            let name = &self.found[index];
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
         names
     }
 
@@ -268,7 +274,7 @@ impl Outcome {
 }
 
 /// Whether a found effect is a true one, by name and axis.
-pub(super) fn is_same(truth: &Truth, (name, axis): &(String, String)) -> bool {
+fn is_same(truth: &Truth, (name, axis): &(String, String)) -> bool {
     truth.name == name && truth.axis == axis
 }
 
