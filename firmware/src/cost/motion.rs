@@ -3,8 +3,8 @@
 use shared::axis::Reading;
 use shared::compensate::CompensationSettings;
 use shared::compensate::settings::{
-    Cycle, ForceModel, FrictionWarmUp, Pitch, PitchSource, Points, Reversal, Straightness, Stribeck,
-    TableFriction, Talk, TimePoints,
+    Cycle, Factor, ForceModel, FrictionWarmUp, Pitch, PitchSource, Points, Product, Reversal, Straightness,
+    Stribeck, TableFriction, Talk, TimePoints,
 };
 use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
 use shared::interpolate::{Block, Ramps, Smoothing};
@@ -78,6 +78,15 @@ pub fn full_axis() -> AxisSettings {
     }
 }
 
+/// Both positions, and the speed times the other position.
+fn products(axis: usize) -> [Product; 2] {
+    let (own, other) = if axis == 0 { (0, 1) } else { (1, 0) };
+    let position = |axis| Factor::Position { axis, full_scale_m: 0.1 };
+    let speed = Factor::Speed { axis: own, full_scale_m_per_s: 0.5 };
+    [[position(own), position(other)], [speed, position(other)]]
+        .map(|factors| Product { amplitude_m: 1e-6, factors: factors.into_iter().collect() })
+}
+
 /// Every compensation.
 #[must_use]
 pub fn all_compensations(axis: usize) -> CompensationSettings {
@@ -101,6 +110,7 @@ pub fn all_compensations(axis: usize) -> CompensationSettings {
         force: Some(force_model()),
         stretch_m_per_n: Some(5e-9),
         drift: Some(TimePoints { start_s: 0.0, spacing_s: 0.1, values: points(1e-6).values }),
+        products: products(axis).into_iter().collect(),
         ..CompensationSettings::default()
     }
 }
@@ -116,13 +126,14 @@ pub fn nine_compensations(axis: usize) -> CompensationSettings {
         force: None,
         stretch_m_per_n: None,
         drift: None,
+        products: Default::default(),
         ..all
     }
 }
 
 /// Compensations of a single axis whose cost is a row of its own; the first one compensates nothing.
 #[must_use]
-pub fn single_compensations() -> [(&'static str, CompensationSettings); 6] {
+pub fn single_compensations() -> [(&'static str, CompensationSettings); 7] {
     let all = || all_compensations(0);
     let none = CompensationSettings::default;
     let rigid = ForceModel {
@@ -139,6 +150,7 @@ pub fn single_compensations() -> [(&'static str, CompensationSettings); 6] {
         ("compensation, empty", none()),
         ("  and screw, two periods", CompensationSettings { screw: all().screw, ..none() }),
         ("  and drift", CompensationSettings { drift: all().drift, ..none() }),
+        ("  and two products", CompensationSettings { products: all().products, ..none() }),
         ("  and force, sliding", CompensationSettings { force: Some(rigid), ..none() }),
         ("  and force, all parts", CompensationSettings { force: all().force, ..none() }),
         (

@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 
 use crate::effects::Stage;
 use crate::residual_table::{TableChannel, TableVariable};
+use files::format::significant;
 
 /// `[[axis.NAME.law]]`: a residual as a sum of terms.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -133,6 +134,26 @@ impl Term {
         term
     }
 
+    /// Its form, with the names of the axis and of the first other one: `x · v_y`.
+    #[must_use]
+    pub fn form(&self, own: &str, other: &str) -> String {
+        match self {
+            Self::Product { of, .. } => {
+                of.iter().map(|variable| symbol(*variable, own, other)).collect::<Vec<_>>().join(" · ")
+            }
+            Self::Wave { over, period_mm, .. } => {
+                format!(
+                    "wave over {} with a period of {} mm",
+                    symbol(over.variable(), own, other),
+                    significant(*period_mm, 3)
+                )
+            }
+            Self::Hysteresis { distance_mm, .. } => {
+                format!("hysteresis of {own} over {} mm", significant(*distance_mm, 2))
+            }
+        }
+    }
+
     /// Whether it jumps at a reversal.
     #[must_use]
     pub fn has_jumps(&self) -> bool {
@@ -149,6 +170,22 @@ impl Term {
             Self::Wave { over, .. } => vec![over.variable()],
             Self::Hysteresis { .. } => vec![TableVariable::PositionMm],
         }
+    }
+}
+
+fn symbol(variable: TableVariable, own: &str, other: &str) -> String {
+    match variable {
+        TableVariable::PositionMm => own.to_owned(),
+        TableVariable::VelocityMPerS => format!("v_{own}"),
+        TableVariable::SpeedMPerS => format!("|v_{own}|"),
+        TableVariable::AccelerationMPerS2 => format!("a_{own}"),
+        TableVariable::Direction => format!("sign(v_{own})"),
+        TableVariable::ForceN => format!("F_{own}"),
+        TableVariable::TimeS => "t".to_owned(),
+        TableVariable::OtherPositionMm => other.to_owned(),
+        TableVariable::OtherVelocityMPerS => format!("v_{other}"),
+        TableVariable::OtherAccelerationMPerS2 => format!("a_{other}"),
+        TableVariable::OtherDirection => format!("sign(v_{other})"),
     }
 }
 

@@ -9,6 +9,7 @@ use super::geometry::{Squareness, Straightness};
 use super::kind::CompensationKind;
 use super::motion::CommandMotion;
 use super::pitch::Pitch;
+use super::products::Products;
 use super::reversal::Reversal;
 use super::round_robin::{Inputs, RoundRobinList};
 use super::slew::Slew;
@@ -52,6 +53,7 @@ pub struct AxisCompensation<S: Scalar> {
     pub(super) load: Option<Table<Fixed>>,
     pub(super) friction_map: Option<Table<Fixed>>,
     pub(super) drift: Option<Drift<S>>,
+    pub(super) products: Products<S>,
 }
 
 impl<S: Scalar> AxisCompensation<S> {
@@ -78,6 +80,7 @@ impl<S: Scalar> AxisCompensation<S> {
         load: None,
         friction_map: None,
         drift: None,
+        products: Products::NONE,
     };
 
     /// Whether there is a compensation of a kind.
@@ -96,6 +99,7 @@ impl<S: Scalar> AxisCompensation<S> {
             CompensationKind::Force => self.model.is_some(),
             CompensationKind::Stretch => self.stretch.is_some(),
             CompensationKind::Drift => self.drift.is_some(),
+            CompensationKind::Products => !self.products.is_empty(),
         }
     }
 
@@ -151,7 +155,10 @@ impl<S: Scalar> AxisCompensation<S> {
         if let Some(other) = motions.get(usize::from(self.squareness_source)) {
             sum += S::from_position(other.position) * state.active.squareness;
         }
-        let tool = round_robin.tool + S::round(sum);
+        let mut tool = round_robin.tool + S::round(sum);
+        if state.active.has(CompensationKind::Products) {
+            tool = tool + self.products.correction(motions);
+        }
         self.command.step(&mut state.screw, screw);
         self.command.step(&mut state.command, screw + tool);
         state.correction()

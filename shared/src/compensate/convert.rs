@@ -8,6 +8,7 @@ use super::force::Force;
 use super::geometry::{Squareness, Straightness};
 use super::names::{DIVIDING, RIPPLE, SCREW, points_names};
 use super::pitch::Pitch;
+use super::products::Products;
 use super::reversal::Reversal;
 use super::round_robin::RoundRobinTerm;
 use super::settings::CompensationSettings;
@@ -160,6 +161,7 @@ impl<S: Scalar> AxisCompensation<S> {
         if let Some(drift) = &settings.drift {
             self.drift = Some(Drift::new(drift, tick_hz, bound_m)?);
         }
+        self.products = Products::new(&settings.products, rate_hz, place.axes)?;
         Ok(())
     }
 

@@ -6,6 +6,7 @@
 //! | in-talk, cross-talk with a table over the position | its own axis |
 //! | force and stretch with a load or a friction map over the position | its own axis |
 //! | squareness, straightness | the other axis |
+//! | products | each axis whose position is a factor |
 //! | backlash, reversal, drift; in-talk, cross-talk and force with constants | none: motion or time alone |
 //!
 //! # Example
@@ -18,12 +19,12 @@
 //! let settings =
 //!     CompensationSettings { screw, backlash_width_m: Some(5e-6), ..CompensationSettings::default() };
 //! let dependence = Dependence::of(1, &settings);
-//! assert_eq!(dependence.on(CompensationKind::Screw), Some(1));
-//! assert_eq!(dependence.on(CompensationKind::Backlash), None);
+//! assert_eq!(dependence.on(CompensationKind::Screw), 0b10);
+//! assert_eq!(dependence.on(CompensationKind::Backlash), 0);
 //! ```
 
 use super::kind::CompensationKind;
-use super::settings::{CompensationSettings, Talk};
+use super::settings::{CompensationSettings, Factor, Talk};
 
 /// The axes whose absolute positions the compensations of one axis depend on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,11 +34,13 @@ pub struct Dependence {
     own: u16,
     squareness: Option<u8>,
     straightness: Option<u8>,
+    /// One bit for each axis whose position is a factor of a product.
+    products: u8,
 }
 
 impl Dependence {
     /// No compensation.
-    pub const NONE: Self = Self { axis: 0, own: 0, squareness: None, straightness: None };
+    pub const NONE: Self = Self { axis: 0, own: 0, squareness: None, straightness: None, products: 0 };
 
     /// Of the settings of an axis.
     #[must_use]
@@ -61,25 +64,40 @@ impl Dependence {
             own: bits.fold(0, |all, bit| all | bit),
             squareness: settings.squareness.map(|(other, _)| other),
             straightness: settings.straightness.as_ref().map(|(other, _)| *other),
+            products: settings.products.iter().flat_map(|product| &product.factors).fold(0, with_position),
         }
     }
 
-    /// The axis that has to be homed before a compensation is applied; `None`: no axis.
+    /// The axes that have to be homed before a compensation is applied: one bit for each, the lowest for axis 0.
     #[must_use]
-    pub const fn on(&self, kind: CompensationKind) -> Option<u8> {
+    pub fn on(&self, kind: CompensationKind) -> u8 {
         match kind {
-            CompensationKind::Squareness => self.squareness,
-            CompensationKind::Straightness => self.straightness,
-            _ if self.own & 1 << kind as u8 != 0 => Some(self.axis),
-            _ => None,
+            CompensationKind::Squareness => self.squareness.map_or(0, bit),
+            CompensationKind::Straightness => self.straightness.map_or(0, bit),
+            CompensationKind::Products => self.products,
+            _ if self.own & 1 << kind as u8 != 0 => bit(self.axis),
+            _ => 0,
         }
+    }
+}
+
+/// The bit of an axis; the settings of one beyond the eighth are refused.
+fn bit(axis: u8) -> u8 {
+    1u8.checked_shl(u32::from(axis)).unwrap_or(0)
+}
+
+/// Axes, with that of a factor if it is a position.
+fn with_position(axes: u8, factor: &Factor) -> u8 {
+    match factor {
+        Factor::Position { axis, .. } => axes | bit(*axis),
+        _ => axes,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::settings::{
-        Cycle, ForceModel, Pitch, PitchSource, Points, Straightness, TableFriction,
+        Cycle, ForceModel, PRODUCTS, Pitch, PitchSource, Points, Product, Straightness, TableFriction,
     };
     use super::*;
 
@@ -87,10 +105,15 @@ mod tests {
         Points { start_m: 0.0, spacing_m: 0.1, values: [0.0, 1e-6].into_iter().collect() }
     }
 
-    fn dependent(settings: &CompensationSettings) -> heapless::Vec<(CompensationKind, u8), 13> {
+    fn product(factors: [Factor; 2]) -> heapless::Vec<Product, PRODUCTS> {
+        [Product { amplitude_m: 1e-6, factors: factors.into_iter().collect() }].into_iter().collect()
+    }
+
+    /// The kinds that depend on axes, with these.
+    fn dependent(settings: &CompensationSettings) -> heapless::Vec<(CompensationKind, u8), 14> {
         let dependence = Dependence::of(2, settings);
         let kinds = CompensationKind::ALL.into_iter();
-        kinds.filter_map(|kind| dependence.on(kind).map(|axis| (kind, axis))).collect()
+        kinds.map(|kind| (kind, dependence.on(kind))).filter(|(_, axes)| *axes != 0).collect()
     }
 
     /// Everything over a position depends on its axis; everything that follows motion or time depends on none.
@@ -109,19 +132,24 @@ mod tests {
             straightness: Some((1, Straightness::Quadratic(1e-6))),
             force: Some(model),
             stretch_m_per_n: Some(1e-9),
+            products: product([
+                Factor::Position { axis: 0, full_scale_m: 0.1 },
+                Factor::Position { axis: 2, full_scale_m: 0.1 },
+            ]),
             ..CompensationSettings::default()
         };
         let expected = [
-            (CompensationKind::Pitch, 2),
-            (CompensationKind::Dividing, 2),
-            (CompensationKind::Intalk, 2),
-            (CompensationKind::Crosstalk, 2),
-            (CompensationKind::Squareness, 0),
-            (CompensationKind::Straightness, 1),
-            (CompensationKind::Ripple, 2),
-            (CompensationKind::Screw, 2),
-            (CompensationKind::Force, 2),
-            (CompensationKind::Stretch, 2),
+            (CompensationKind::Pitch, 0b100),
+            (CompensationKind::Dividing, 0b100),
+            (CompensationKind::Intalk, 0b100),
+            (CompensationKind::Crosstalk, 0b100),
+            (CompensationKind::Squareness, 0b1),
+            (CompensationKind::Straightness, 0b10),
+            (CompensationKind::Ripple, 0b100),
+            (CompensationKind::Screw, 0b100),
+            (CompensationKind::Force, 0b100),
+            (CompensationKind::Stretch, 0b100),
+            (CompensationKind::Products, 0b101),
         ];
         assert_eq!(dependent(&settings), expected);
     }
@@ -134,6 +162,10 @@ mod tests {
             crosstalk: Some((0, Talk::Constant(1e-6))),
             force: Some(ForceModel { table_mass_kg: 10.0, ..ForceModel::default() }),
             stretch_m_per_n: Some(1e-9),
+            products: product([
+                Factor::Direction { axis: 0 },
+                Factor::Speed { axis: 2, full_scale_m_per_s: 1.0 },
+            ]),
             ..CompensationSettings::default()
         };
         assert!(dependent(&settings).is_empty());
@@ -143,6 +175,9 @@ mod tests {
             force: Some(ForceModel { friction, ..ForceModel::default() }),
             ..settings
         };
-        assert_eq!(dependent(&settings), [(CompensationKind::Force, 2), (CompensationKind::Stretch, 2)]);
+        assert_eq!(
+            dependent(&settings),
+            [(CompensationKind::Force, 0b100), (CompensationKind::Stretch, 0b100)]
+        );
     }
 }

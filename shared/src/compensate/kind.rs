@@ -17,11 +17,12 @@ pub enum CompensationKind {
     Force,
     Stretch,
     Drift,
+    Products,
 }
 
 impl CompensationKind {
     /// Every kind.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Pitch,
         Self::Backlash,
         Self::Dividing,
@@ -35,5 +36,6 @@ impl CompensationKind {
         Self::Force,
         Self::Stretch,
         Self::Drift,
+        Self::Products,
     ];
 }

@@ -11,6 +11,7 @@
 //! | [`talk`] | in-talk and cross-talk: displacement of the tool by an acceleration | command | command alone |
 //! | [`geometry`] | squareness and straightness | command | command alone |
 //! | [`drift`] | thermal drift of the tool | command | command alone |
+//! | [`products`] | displacement of the tool by products of positions, velocities, accelerations and directions | command | command alone |
 //! | dividing ([`cycles`]) | periodic error of the resolver, two periods | motor reading | the same |
 //! | [`reversal`] | static friction at reversal: a pulse of set shape | force | the same |
 //! | [`force`] | forces of masses, friction and load, from the commanded motion | force | the same |
@@ -56,6 +57,7 @@ pub mod names;
 pub mod octave_curve;
 pub mod pitch;
 pub mod presliding;
+pub mod products;
 pub mod reversal;
 mod round_robin;
 mod round_robin_evaluation;

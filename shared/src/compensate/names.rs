@@ -1,7 +1,7 @@
 //! Names of settings for messages: the path of a setting within [`CompensationSettings`](super::CompensationSettings), which is
 //! its key in a compensation file, too.
 
-use super::settings::CYCLES;
+use super::settings::{CYCLES, PRODUCTS as MOST_PRODUCTS};
 
 /// The names of the settings of a table.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +32,15 @@ pub struct StribeckNames {
     pub velocity: &'static str,
 }
 
+/// The names of the settings of a product.
+#[derive(Clone, Copy, Debug)]
+pub struct ProductNames {
+    /// Error at the full scale of all factors.
+    pub amplitude: &'static str,
+    /// The factors.
+    pub factors: &'static str,
+}
+
 macro_rules! points_names {
     ($table:literal) => {
         $crate::compensate::names::PointsNames {
@@ -58,6 +67,18 @@ macro_rules! cycle_names {
         [$(CycleNames { period: concat!($table, ".period_m"), values: concat!($table, ".values") }),*]
     };
 }
+
+macro_rules! product_names {
+    ($($product:literal)*) => {
+        [$(ProductNames {
+            amplitude: concat!($product, ".amplitude_m"),
+            factors: concat!($product, ".factors"),
+        }),*]
+    };
+}
+
+/// Products of commanded quantities.
+pub const PRODUCTS: [ProductNames; MOST_PRODUCTS] = product_names!("products[0]" "products[1]" "products[2]");
 
 /// Periodic errors of the screw.
 pub const SCREW: [CycleNames; CYCLES] = cycle_names!("screw[0]" "screw[1]");

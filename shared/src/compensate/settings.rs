@@ -13,6 +13,12 @@ pub const POINTS: usize = 64;
 /// Greatest number of periodic tables of one compensation: two periods.
 pub const CYCLES: usize = 2;
 
+/// Greatest number of products of a compensation.
+pub const PRODUCTS: usize = 3;
+
+/// Greatest number of factors of a product.
+pub const FACTORS: usize = 3;
+
 /// Compensation of one axis. The default compensates nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -44,6 +50,8 @@ pub struct CompensationSettings {
     pub stretch_m_per_n: Option<f64>,
     /// Thermal drift: displacement of the tool, m, over the time since this setting.
     pub drift: Option<TimePoints>,
+    /// Displacement of the tool by products of commanded quantities.
+    pub products: Vec<Product, PRODUCTS>,
     /// Greatest correction of the command, and of the motor reading, m; at most 10 mm.
     pub position_bound_m: f64,
     /// Greatest rate of change of these corrections, m/s.
@@ -70,6 +78,7 @@ impl Default for CompensationSettings {
             force: None,
             stretch_m_per_n: None,
             drift: None,
+            products: Vec::new(),
             position_bound_m: 1e-3,
             position_rate_m_per_s: 0.01,
             force_bound_n: 1000.0,
@@ -176,6 +185,34 @@ pub enum Straightness {
     Over(Points),
 }
 
+/// An error of the tool that is a product of commanded quantities: amplitude·∏(quantity/full scale), each of these parts from −1 to 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Product {
+    /// Error at the full scale of all factors, m; below 16.7 mm in fixed point. The correction is limited by `position_bound_m`.
+    pub amplitude_m: f64,
+    /// The factors, 1 to 3; a square has one twice.
+    pub factors: Vec<Factor, FACTORS>,
+}
+
+/// A factor of a product: a quantity of the commanded motion of an axis (counted from 0), with the value at which its part is 1.
+/// Beyond its full scale the part keeps the value of 1 or −1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(missing_docs, reason = "axis: see above; full scale: the quantity in its unit")]
+pub enum Factor {
+    /// Position.
+    Position { axis: u8, full_scale_m: f64 },
+    /// Velocity.
+    Velocity { axis: u8, full_scale_m_per_s: f64 },
+    /// Absolute value of the velocity.
+    Speed { axis: u8, full_scale_m_per_s: f64 },
+    /// Acceleration.
+    Acceleration { axis: u8, full_scale_m_per_s2: f64 },
+    /// Direction of the last motion, −1 or 1.
+    Direction { axis: u8 },
+}
+
 #[cfg(test)]
 impl CompensationSettings {
     /// For tests of messages: every setting present, every table at its capacity, and numbers without a short form.
@@ -183,6 +220,8 @@ impl CompensationSettings {
         let values = || (0..POINTS).map(|k| 1.0 / (3.0 + k as f64)).collect();
         let points = || Points { start_m: -0.1, spacing_m: 0.3, values: values() };
         let cycles = || [0.1, 0.3].map(|period_m| Cycle { period_m, values: values() }).into_iter().collect();
+        let factor = Factor::Speed { axis: u8::MAX, full_scale_m_per_s: 0.1 };
+        let product = Product { amplitude_m: 0.3, factors: [factor; FACTORS].into_iter().collect() };
         let stribeck = Some(Stribeck { excess_n: 0.1, velocity_m_per_s: 0.3 });
         Self {
             pitch: Some(Pitch { of: PitchSource::Scale, forward: points(), backward: Some(points()) }),
@@ -209,6 +248,7 @@ impl CompensationSettings {
             }),
             stretch_m_per_n: Some(0.1),
             drift: Some(TimePoints { start_s: 0.1, spacing_s: 0.3, values: values() }),
+            products: core::array::from_fn::<_, PRODUCTS, _>(|_| product.clone()).into_iter().collect(),
             ..Self::default()
         }
     }

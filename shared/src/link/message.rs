@@ -18,8 +18,8 @@ use crate::homing::HardStopSettings;
 use crate::interpolate::Block;
 use crate::probing::ProbeSettings;
 
-/// Length of the longest upload in bytes: a compensation with every table at its capacity has 7.6 kB.
-pub const LONGEST_UPLOAD: usize = 7680;
+/// Length of the longest upload in bytes: a compensation with every table at its capacity has 7.7 kB.
+pub const LONGEST_UPLOAD: usize = 7808;
 
 /// Greatest number of bytes of an upload in a request.
 pub const PART: usize = 384;

@@ -21,7 +21,7 @@ pub const FRAME: usize = 256;
 pub const PART: usize = FRAME - 8;
 
 /// Length of the longest order in bytes: a compensation with every table at its capacity has 7.6 kB.
-pub const LONGEST_ORDER: usize = 7680;
+pub const LONGEST_ORDER: usize = 7808;
 
 /// Number of axes of the protocol.
 pub const AXES: usize = 2;

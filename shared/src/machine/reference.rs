@@ -59,8 +59,8 @@ impl<const N: usize> References<N> {
 
     /// Whether an axis that a compensation depends on is not homed.
     pub fn is_held(&self, axis: usize, kind: CompensationKind) -> bool {
-        let needed = self.dependence.get(axis).and_then(|dependence| dependence.on(kind));
-        needed.is_some_and(|axis| self.of(usize::from(axis)) == Some(Reference::Relative))
+        let needed = self.dependence.get(axis).map_or(0, |dependence| dependence.on(kind));
+        (0..N).any(|axis| needed & 1 << axis != 0 && self.of(axis) == Some(Reference::Relative))
     }
 
     /// Whether a compensation is applied.

@@ -4,7 +4,7 @@ use super::*;
 
 /// Settings of all compensations, each present or absent, of random magnitude, for an axis whose other axis is `other`.
 fn any_settings(other: u8) -> impl Strategy<Value = CompensationSettings> {
-    let sizes = (0.0..1.0f64, 0.0..1.0f64, 0.0..1.0f64, any::<[bool; 13]>(), 1e-3..0.1f64, 1e3..1e6f64);
+    let sizes = (0.0..1.0f64, 0.0..1.0f64, 0.0..1.0f64, any::<[bool; 14]>(), 1e-3..0.1f64, 1e3..1e6f64);
     sizes.prop_map(move |(a, b, c, has, position_rate_m_per_s, force_rate_n_per_s)| CompensationSettings {
         pitch: has[0].then(|| Pitch {
             of: PitchSource::Screw,
@@ -35,11 +35,28 @@ fn any_settings(other: u8) -> impl Strategy<Value = CompensationSettings> {
             spacing_s: 0.2 + 0.1 * b,
             values: [0.0, 20e-6 * c, -20e-6 * a].into_iter().collect(),
         }),
+        products: has[13].then(|| any_products(other, [a, b])).into_iter().flatten().collect(),
         position_bound_m: 20e-6,
         position_rate_m_per_s,
         force_bound_n: 100.0,
         force_rate_n_per_s,
     })
+}
+
+/// An acceleration times the other position, and a speed times the direction.
+fn any_products(other: u8, [a, b]: [f64; 2]) -> [Product; 2] {
+    let factors = [
+        [
+            Factor::Acceleration { axis: 1 - other, full_scale_m_per_s2: 1.0 + 10.0 * a },
+            Factor::Position { axis: other, full_scale_m: 0.1 },
+        ],
+        [
+            Factor::Speed { axis: 1 - other, full_scale_m_per_s: 1.0 + b },
+            Factor::Direction { axis: 1 - other },
+        ],
+    ];
+    [(20e-6 * a, factors[0]), (-20e-6 * b, factors[1])]
+        .map(|(amplitude_m, factors)| Product { amplitude_m, factors: factors.into_iter().collect() })
 }
 
 fn any_force([a, b, c]: [f64; 3]) -> ForceModel {
@@ -82,9 +99,9 @@ fn stays_within_rate_and_bound<S: Scalar>(
     for &(to, action) in moves {
         let from = positions;
         match action {
-            0..=12 => plant.all.switch(0, CompensationKind::ALL[usize::from(action)], action % 2 == 0),
-            13 => plant.all.replace(0, &AxisCompensation::new(replacement, RATES, FIRST_AXIS).unwrap()),
-            14 => plant.all.replace(0, &AxisCompensation::new(first, RATES, FIRST_AXIS).unwrap()),
+            0..=13 => plant.all.switch(0, CompensationKind::ALL[usize::from(action)], action % 2 == 0),
+            14 => plant.all.replace(0, &AxisCompensation::new(replacement, RATES, FIRST_AXIS).unwrap()),
+            15 => plant.all.replace(0, &AxisCompensation::new(first, RATES, FIRST_AXIS).unwrap()),
             _ => CompensationKind::ALL.into_iter().for_each(|item| plant.all.switch(0, item, true)),
         }
         for k in 1..=200 {
@@ -116,7 +133,7 @@ proptest! {
     #[test]
     fn corrections_stay_within_rate_and_bound(
         first in any_settings(1), second in any_settings(0), replacement in any_settings(1),
-        moves in prop::collection::vec(([-0.1..0.1f64, -0.1..0.1], 0u8..16), 1..12),
+        moves in prop::collection::vec(([-0.1..0.1f64, -0.1..0.1], 0u8..17), 1..12),
     ) {
         let settings = [&first, &second, &replacement];
         stays_within_rate_and_bound::<Fixed>(settings, &moves);

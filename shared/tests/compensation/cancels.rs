@@ -10,6 +10,12 @@ fn load() -> ForceModel {
     ForceModel { load: Some(points(-0.3, 0.01, |x| 50.0 + 100.0 * x)), ..ForceModel::default() }
 }
 
+/// 20 µm where both positions are 0.2 m.
+fn yaw() -> Product {
+    let at = |axis| Factor::Position { axis, full_scale_m: 0.2 };
+    Product { amplitude_m: 20e-6, factors: [at(0), at(1)].into_iter().collect() }
+}
+
 /// Each compensation alone on the first axis, with its channel in [`TwoAxes::added`] and the correction expected there at
 /// (x, y) after a motion in + direction.
 fn items() -> Vec<(CompensationKind, CompensationSettings, usize, Expected)> {
@@ -99,6 +105,13 @@ fn more_items() -> Vec<(CompensationKind, CompensationSettings, usize, Expected)
             },
             0,
             |_, _| -3e-6,
+        ),
+        // tool = table + 500 µm/m²·x·y: the yaw of the other guideway times the lever.
+        (
+            CompensationKind::Products,
+            CompensationSettings { products: [yaw()].into_iter().collect(), ..none() },
+            0,
+            |x, y| -500e-6 * x * y,
         ),
         // At rest the force on the table is the load, 50 N + 100 N/m·x; 1/(100 N/µm).
         (

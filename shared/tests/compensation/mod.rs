@@ -14,8 +14,8 @@ use std::f64::consts::TAU;
 
 use proptest::prelude::*;
 use shared::compensate::settings::{
-    Cycle, ForceModel, FrictionWarmUp, Pitch, PitchSource, Points, Reversal, Straightness, Stribeck,
-    TableFriction, Talk, TimePoints,
+    Cycle, Factor, ForceModel, FrictionWarmUp, Pitch, PitchSource, Points, Product, Reversal, Straightness,
+    Stribeck, TableFriction, Talk, TimePoints,
 };
 use shared::compensate::{AxisCompensation, AxisOf, Compensation, CompensationKind, CompensationSettings};
 use shared::config::{ConfigError, Rates};

@@ -2,8 +2,8 @@
 
 use shared::compensate::CompensationSettings;
 use shared::compensate::settings::{
-    Cycle, ForceModel, Pitch, PitchSource, Points, Reversal, Straightness, Stribeck, TableFriction, Talk,
-    TimePoints,
+    Cycle, Factor, ForceModel, Pitch, PitchSource, Points, Product, Reversal, Straightness, Stribeck,
+    TableFriction, Talk, TimePoints,
 };
 use shared::config::{AxisSettings, Brake, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
 use shared::interpolate::{Block, Ramps, Smoothing};
@@ -108,7 +108,26 @@ pub fn compensation(draws: &mut Draws, other: u8) -> CompensationSettings {
             spacing_s: draws.between(0.05, 0.2),
             values: values(draws, 2e-6),
         }),
+        products: (0..draws.below(4)).map(|_| product(draws, other)).collect(),
         ..CompensationSettings::default()
+    }
+}
+
+/// One to three factors, of this axis and of the other one of two.
+fn product(draws: &mut Draws, other: u8) -> Product {
+    let factor = |draws: &mut Draws| {
+        let axis = if draws.one_in(2) { other } else { 1 - other };
+        match draws.below(5) {
+            0 => Factor::Position { axis, full_scale_m: draws.between(5e-3, 0.05) },
+            1 => Factor::Velocity { axis, full_scale_m_per_s: draws.between(0.05, 1.0) },
+            2 => Factor::Speed { axis, full_scale_m_per_s: draws.between(0.05, 1.0) },
+            3 => Factor::Acceleration { axis, full_scale_m_per_s2: draws.between(20.0, 100.0) },
+            _ => Factor::Direction { axis },
+        }
+    };
+    Product {
+        amplitude_m: draws.between(-2e-6, 2e-6),
+        factors: (0..=draws.below(3)).map(|_| factor(draws)).collect(),
     }
 }
 

@@ -9,6 +9,8 @@ use crate::compensate::servo::MOST_AHEAD_TICKS;
 pub(crate) enum Part {
     /// The compensation of an effect: index of the axis, and of the effect among those of the axis.
     Effect(usize, usize),
+    /// A term of a law of a residual: index of the axis, of the law among those of the axis, and of the term.
+    LawTerm(usize, usize, usize),
     /// Force feed-forward of an axis from its declared masses, friction and loads.
     Force(usize),
     /// The stretch of an axis's drive under the modelled force.

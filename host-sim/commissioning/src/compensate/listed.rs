@@ -3,13 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::compensate::choice::{Choice, Part, Strength};
+use crate::compensate::law_parts::law_terms;
 use crate::compensate::planning::Planning;
 use model::axis::Drive;
 use model::effects::EffectCompensation;
 
 /// Why a part has no setting, and what to do instead.
 const NO_SETTING: (&str, &str) = (
-    "no setting of the controller is left for it: tables of two periods, one source of cross-talk and straightness, friction \
+    "no setting of the controller is left for it: tables of two periods, one source of cross-talk and straightness, three products, friction \
      only as part of the force feed-forward",
     "remove its cause, or join effects of the same period",
 );
@@ -72,6 +73,11 @@ impl Planning<'_> {
             Part::Effect(index, effect) => {
                 (self.model.axis[index].effect[effect].name().to_owned(), axis(index))
             }
+            Part::LawTerm(index, law, term) => {
+                let other = axis(usize::from(index == 0));
+                let term = &self.model.axis[index].residual_law[law].term[term];
+                (format!("law: {}", term.form(&axis(index), &other)), axis(index))
+            }
             Part::Force(index) => {
                 let name =
                     if self.commands_velocity(index) { "friction_feedforward" } else { "force_feedforward" };
@@ -89,6 +95,10 @@ impl Planning<'_> {
         let does = match part {
             Part::Effect(index, effect) => {
                 self.model.axis[*index].effect[*effect].compensation().description()
+            }
+            Part::LawTerm(..) => {
+                "the value of the term for the commanded motion is subtracted from the command; a law holds for motions like those measured"
+                    .to_owned()
             }
             Part::Force(index) if self.commands_velocity(*index) => {
                 "the velocity that friction takes from the drive after a reversal is added to its command"
@@ -129,12 +139,18 @@ impl Planning<'_> {
                 }
             }
         }
-        let with_residuals = self.model.axis.iter().filter(|(_, axis)| axis.has_residuals());
-        list.extend(with_residuals.map(|(name, _)| NotCompensated {
+        let with_tables = self.model.axis.iter().filter(|(_, axis)| !axis.empirical.is_empty());
+        list.extend(with_tables.map(|(name, _)| NotCompensated {
             effect: "empirical".to_owned(),
             axis: name.clone(),
-            why: "a table or a law of a residual does not say what causes it, and holds for motions like those measured".to_owned(),
+            why: "a table of a residual does not say what causes it, and holds for motions like those measured".to_owned(),
             instead: "find its cause; a table of the error over the position can be entered as a pitch_map".to_owned(),
+        }));
+        list.extend(self.model.axis.values().enumerate().flat_map(|(index, axis)| {
+            law_terms(axis, index).filter_map(|(part, refused)| {
+                let ((effect, axis), (why, instead)) = (self.names(&part), refused?);
+                Some(NotCompensated { effect, axis, why: why.to_owned(), instead: instead.to_owned() })
+            })
         }));
         list.extend(off.iter().map(|part| {
             let (effect, axis) = self.names(part);

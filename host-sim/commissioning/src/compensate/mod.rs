@@ -1,6 +1,7 @@
 //! From a model to the compensation that a controller applies.
 //!
 //! - [`tables`], [`cycles`], [`force`]: the effects of a model as settings of the compensations in `shared`
+//! - [`laws`]: laws of residuals as such settings; `law_parts`: their terms as parts that can be left out
 //! - [`servo`]: deviations of the drive's gains as changes of its settings
 //! - [`prediction`]: the contour error of the model with and without a compensation
 //! - [`counted_motions`]: the motions whose contour error counts
@@ -27,6 +28,8 @@ pub mod cycles;
 pub mod file;
 pub mod force;
 pub mod json;
+mod law_parts;
+pub mod laws;
 pub mod limits;
 pub mod listed;
 pub mod mapped;

@@ -9,6 +9,7 @@ use shared::compensate::CompensationSettings;
 
 use crate::compensate::choice::{Choice, Part, Strength};
 use crate::compensate::file::{AxisCompensation, CompensationFile, Provenance};
+use crate::compensate::law_parts::law_terms;
 use crate::compensate::listed::{Item, LeftOut, NotCompensated};
 use crate::compensate::mapped::{self, Beyond};
 use crate::compensate::planning::Planning;
@@ -61,7 +62,8 @@ impl Planning<'_> {
         let (mut best_um, mut choice) = self.start(&unknown)?;
         let assumed = equivalent::of(self.model).1;
         // Where a loop is only assumed, its simulation does not decide whether a measured error is compensated.
-        let may_go = |part: &Part| assumed.is_empty() || !matches!(part, Part::Effect(..));
+        let may_go =
+            |part: &Part| assumed.is_empty() || !matches!(part, Part::Effect(..) | Part::LawTerm(..));
         loop {
             let without = self.without_each(&choice)?.into_iter().filter(|(part, _)| may_go(part));
             match without.min_by(|a, b| a.1.total_cmp(&b.1)) {
@@ -207,6 +209,8 @@ impl Planning<'_> {
             let is_compensated = |(_, effect): &(usize, &Effect)| effect.compensation().is_compensated();
             let effects = axis.effect.iter().enumerate().filter(is_compensated);
             parts.extend(effects.map(|(effect, _)| Part::Effect(index, effect)));
+            let is_executed = |(_, refused): &(Part, Option<_>)| refused.is_none();
+            parts.extend(law_terms(axis, index).filter(is_executed).map(|(part, _)| part));
             let has_mass = axis.settings.has_mass();
             match axis.settings.controller.drive {
                 Drive::Torque if has_mass => {
@@ -292,6 +296,7 @@ impl Planning<'_> {
         controller.law = (is_hpc && choice.has(&Part::Law)).then_some(Law::P);
         let (mut compensation, _) = tables::of_axis(&parameters, &names, travel_m, self.set_at_s);
         (compensation.ripple, _) = force::ripple(&parameters);
+        self.add_laws(index, choice, (&mut compensation, travel_m))?;
         let force = match axis.settings.controller.drive {
             Drive::Torque => force::model(&parameters, &axis.settings, travel_m, self.set_at_s),
             Drive::Velocity => force::of_velocity_drive(&axis),

@@ -28,6 +28,7 @@ pub(super) fn read(mut bytes: &[u8], settings: &mut CompensationSettings) -> pos
         force,
         stretch_m_per_n,
         drift,
+        products,
         position_bound_m,
         position_rate_m_per_s,
         force_bound_n,
@@ -47,6 +48,7 @@ pub(super) fn read(mut bytes: &[u8], settings: &mut CompensationSettings) -> pos
     next(bytes, force)?;
     next(bytes, stretch_m_per_n)?;
     next(bytes, drift)?;
+    next(bytes, products)?;
     next(bytes, position_bound_m)?;
     next(bytes, position_rate_m_per_s)?;
     next(bytes, force_bound_n)?;

@@ -3,9 +3,11 @@
 mod document;
 mod force;
 mod geometry;
+mod laws;
 mod listed;
 mod mapped;
 mod runs;
+mod second_simulator_laws;
 mod sensors;
 mod servo;
 mod theory;

@@ -117,12 +117,18 @@ impl Comparison {
 
     /// An effect of a machine: without its item, the compensation is that of the machine without the effect.
     pub fn on(plain: &str, effect: &str, test: &TestMotion) -> Self {
-        let name = machine(&with(plain, effect)).axis["x"].effect[0].name().to_owned();
-        let [rest, all] = [plain, &with(plain, effect)].map(|text| kept_plan(text, test));
+        let text = with(plain, effect);
+        let name = machine(&text).axis["x"].effect[0].name().to_owned();
+        Self::of_item([plain, &text], &name, test)
+    }
+
+    /// A machine file without and with an error of x, which has an item of a name.
+    pub fn of_item(texts: [&str; 2], name: &str, test: &TestMotion) -> Self {
+        let [rest, all] = texts.map(|text| kept_plan(text, test));
         let is_item =
             |item: &commissioning::compensate::listed::Item| item.effect == name && item.axis == "x";
         assert!(all.items.iter().any(is_item), "{name} is not compensated: {:?}", all.not_compensated);
-        Self::between(plain, effect, test, [&rest.file, &all.file])
+        Self::of_machines(texts.map(machine), test, [&rest.file, &all.file])
     }
 
     /// An effect of a machine with compensation files without and with its item.
@@ -132,7 +138,14 @@ impl Comparison {
         test: &TestMotion,
         [rest, all]: [&CompensationFile; 2],
     ) -> Self {
-        let (plain, machine) = (machine(plain), machine(&with(plain, effect)));
+        Self::of_machines([machine(plain), machine(&with(plain, effect))], test, [rest, all])
+    }
+
+    fn of_machines(
+        [plain, machine]: [Machine; 2],
+        test: &TestMotion,
+        [rest, all]: [&CompensationFile; 2],
+    ) -> Self {
         let logs = [log(&plain, rest, test), log(&machine, rest, test), log(&machine, all, test)];
         Self {
             caused_um: radial_difference_um(&logs[1], &logs[0]),

@@ -2,7 +2,7 @@
 
 use super::found_law::{FoundLaw, FoundTerm};
 use crate::stages::residual_unit;
-use files::format::{significant, with_spread};
+use files::format::with_spread;
 use files::log::Unit;
 use model::residual_law::Term;
 use model::residual_table::TableVariable as V;
@@ -31,38 +31,7 @@ impl FoundLaw {
     /// The form of a term, with the names of the axes.
     #[must_use]
     pub fn form(&self, term: &Term) -> String {
-        match term {
-            Term::Product { of, .. } => {
-                of.iter().map(|variable| self.symbol(*variable)).collect::<Vec<_>>().join(" · ")
-            }
-            Term::Wave { over, period_mm, .. } => {
-                format!(
-                    "wave over {} with a period of {} mm",
-                    self.symbol(over.variable()),
-                    significant(*period_mm, 3)
-                )
-            }
-            Term::Hysteresis { distance_mm, .. } => {
-                format!("hysteresis of {} over {} mm", self.axis, significant(*distance_mm, 2))
-            }
-        }
-    }
-
-    fn symbol(&self, variable: V) -> String {
-        let (own, other) = (&self.axis, &self.other);
-        match variable {
-            V::PositionMm => own.clone(),
-            V::VelocityMPerS => format!("v_{own}"),
-            V::SpeedMPerS => format!("|v_{own}|"),
-            V::AccelerationMPerS2 => format!("a_{own}"),
-            V::Direction => format!("sign(v_{own})"),
-            V::ForceN => format!("F_{own}"),
-            V::TimeS => "t".to_owned(),
-            V::OtherPositionMm => other.clone(),
-            V::OtherVelocityMPerS => format!("v_{other}"),
-            V::OtherAccelerationMPerS2 => format!("a_{other}"),
-            V::OtherDirection => format!("sign(v_{other})"),
-        }
+        term.form(&self.axis, &self.other)
     }
 }
 
