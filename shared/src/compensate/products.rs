@@ -133,10 +133,13 @@ impl<S: Scalar> Product<S> {
     #[inline]
     fn correction(&self, motions: &[CommandMotion<S>]) -> S::Sum {
         let (full, per_full) = (S::signal(FULL), S::gain(1.0 / FULL));
-        let mut product = full;
-        for factor in self.factors.iter().take(usize::from(self.count)) {
-            let at = motions.get(usize::from(factor.axis)).map_or(S::ZERO, |own| factor.of.at(own, full));
-            product = S::round(S::round(product * at) * per_full);
+        let at = |factor: &Factor<S>| {
+            motions.get(usize::from(factor.axis)).map_or(S::ZERO, |motion| factor.of.at(motion, full))
+        };
+        let mut factors = self.factors.iter().take(usize::from(self.count));
+        let mut product = factors.next().map_or(S::ZERO, at);
+        for factor in factors {
+            product = S::round(S::round(product * at(factor)) * per_full);
         }
         product * self.minus_amplitude
     }

@@ -59,6 +59,10 @@ fn the_cost_of_a_tick_is_that_of_its_parts() {
     let (_, worst) = cost("tick of two axes, all on", "fixed");
     let at_override = worst + path("path, an arc at 150 %") - path("path, an arc");
     assert!(at_override <= 8400 / 2, "{at_override} instructions");
+    // Two products on each axis are none of "all on".
+    let products = cost("and two products", "fixed").1 - cost("compensation, empty", "fixed").0;
+    assert!((100..=220).contains(&products), "{products} instructions");
+    assert!(at_override + 2 * products <= 8400 / 2, "{at_override} and twice {products} instructions");
     let all = |format| cost("tick of two axes, all on", format).0;
     assert!(all("fixed") <= all("f32"), "fixed point {}, f32 {}", all("fixed"), all("f32"));
 }
