@@ -1,7 +1,7 @@
 //! Removal of effects with a parameter at a limit of its range, and of effects that the validation logs refute.
 
 use super::found_effect::FoundEffect;
-use super::likelihood::refuting_loss;
+use super::likelihood::refuting_loss_over_all;
 use super::refutation;
 use crate::dropped::{Dropped, Reason};
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
@@ -158,7 +158,7 @@ fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -
             let fitted = [&last, &next].map(|model| fit_data.residuals(model, scope));
             let held_out = [&last, &next].map(|model| validate.residuals(model, scope));
             // A slope is tested with its map.
-            let loss = refuting_loss(validate, [&held_out[0], &held_out[1]])
+            let loss = refuting_loss_over_all(validate, [&held_out[0], &held_out[1]])
                 .filter(|_| !is_companion(effect, axis.model.found()));
             let residuals = Residuals { fit_data, validate, fitted, held_out };
             // The stage with the largest improvement; for a refuted effect, the stage with the largest deterioration.

@@ -12,8 +12,7 @@ use model::effects::Stage;
 #[must_use]
 pub fn refuting_loss(data: &FitData<'_>, residuals: [&[ResidualSeries]; 2]) -> Option<f64> {
     let cells = cells(data, residuals);
-    let total = gain(&cells, None);
-    if is_refuted(total, standard_error(&cells), data.options) {
+    if let Some(total) = loss_over_all(&cells, data.options) {
         return Some(total);
     }
     // However much one stage gains, no other may lose more than this.
@@ -24,6 +23,18 @@ pub fn refuting_loss(data: &FitData<'_>, residuals: [&[ResidualSeries]; 2]) -> O
     };
     let worst = numerics::min(stages.into_iter().map(of_stage));
     (worst < -data.options.search.max_stage_loss).then_some(worst)
+}
+
+/// The loss of all stages together, if it refutes the effect. A single stage may lose more than it may beside all other effects: those that
+/// are added later may describe what the effect reveals there.
+#[must_use]
+pub fn refuting_loss_over_all(data: &FitData<'_>, residuals: [&[ResidualSeries]; 2]) -> Option<f64> {
+    loss_over_all(&cells(data, residuals), data.options)
+}
+
+fn loss_over_all(cells: &[Cell], options: &TraceOptions) -> Option<f64> {
+    let total = gain(cells, None);
+    is_refuted(total, standard_error(cells), options).then_some(total)
 }
 
 /// Whether a gain in log-likelihood per sample, with its standard error, refutes an effect.
