@@ -30,6 +30,11 @@ pub fn of(control: Control, axis: &AxisErrors<'_>) -> Vec<String> {
             "displacement by acceleration",
             "lower the acceleration, or stiffen the column",
         ),
+        (
+            !settings.products.is_empty(),
+            "a law of several variables",
+            "a table over two axes (volumetric compensation), where the control has one and the law is one of positions",
+        ),
         (settings.drift.is_some(), "thermal drift", "warm the machine up, or measure it again warm"),
         (
             !settings.dividing.is_empty(),

@@ -5,7 +5,9 @@ use commissioning::compensate::file::AxisCompensation;
 use commissioning::compensate::servo::ControllerChange;
 use model::machine::Machine;
 use shared::compensate::CompensationSettings;
-use shared::compensate::settings::{Cycle, ForceModel, Pitch, PitchSource, Points, TableFriction};
+use shared::compensate::settings::{
+    Cycle, Factor, ForceModel, Pitch, PitchSource, Points, Product, TableFriction,
+};
 
 use crate::{Control, ControlFile, Written, write};
 
@@ -295,5 +297,31 @@ fn the_files_are_these() {
         let one = |ControlFile { name, text }: &ControlFile| format!("== {name}\n{text}");
         let all: Vec<String> = written(control).files.iter().map(one).collect();
         insta::assert_snapshot!(name, all.join("\n"));
+    }
+}
+
+/// No control has a setting for a product of several variables: it is named for each, and not dropped without a word.
+#[test]
+fn products_are_named_as_left_out() {
+    let mut file = compensation();
+    let factors =
+        [Factor::Position { axis: 0, full_scale_m: 0.1 }, Factor::Position { axis: 1, full_scale_m: 0.1 }];
+    let product = Product { amplitude_m: 1e-6, factors: factors.into_iter().collect() };
+    file.axis["x"].compensation.products = [product].into_iter().collect();
+    for control in [
+        Control::Linuxcnc,
+        Control::Siemens,
+        Control::Heidenhain,
+        Control::Fanuc,
+        Control::Beckhoff,
+        Control::Grblhal,
+        Control::Marlin,
+        Control::Csv,
+    ] {
+        let said = |file: &CompensationFile| {
+            let remarks = write(control, &machine(), file).remarks;
+            remarks.iter().any(|remark| remark.starts_with("x: a law of several variables"))
+        };
+        assert!(said(&file) && !said(&compensation()), "{control:?}");
     }
 }
