@@ -145,7 +145,7 @@ impl Notches {
     /// No notch.
     pub const NONE: Self = Self([None; NOTCHES]);
 
-    /// Those that are declared, in their order.
+    /// The declared notches, in their order.
     pub fn iter(&self) -> impl Iterator<Item = &Notch> {
         self.0.iter().flatten()
     }
