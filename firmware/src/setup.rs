@@ -6,7 +6,7 @@
 use core::num::NonZeroU32;
 
 use shared::capture::ChannelSteps;
-use shared::config::{AxisEnvelope, AxisSettings, Law, Rates, Sensors};
+use shared::config::{AxisEnvelope, AxisSettings, Law, Notches, Rates, Sensors};
 use shared::drive::{
     AnyOutput, DriveError, DriveSettings, DriveSystem, EnableSwitch, StatusLight, SupplyLimits, TickClock,
 };
@@ -185,7 +185,7 @@ pub const SETTINGS: [AxisSettings; AXES] = [AxisSettings {
     velocity_gain_n_s_per_m: 3_000.0,
     velocity_integral_time_s: Some(0.02),
     velocity_lag_s: 0.0,
-    notch: None,
+    notches: Notches::NONE,
     low_pass: None,
     force_limit_n: 200.0,
     // At a reversal on a circle, friction of 20 N holds an axis for slightly more than 0.1 mm of the command.

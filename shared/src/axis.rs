@@ -1,7 +1,7 @@
 //! One axis: its loops in the order of the signal.
 
 use crate::compensate::Correction;
-use crate::config::AxisConfig;
+use crate::config::{AxisConfig, NOTCHES};
 use crate::control::bumpless_transfer::BumplessTransfer;
 use crate::control::{feedforward, filter, position, velocity};
 use crate::feedback::OriginShift;
@@ -19,7 +19,7 @@ pub struct AxisState<S: Scalar> {
     feedforward: feedforward::State<S>,
     position: position::State<S>,
     velocity: velocity::State<S>,
-    notch: filter::State<S>,
+    notches: [filter::State<S>; NOTCHES],
     low_pass: filter::State<S>,
     /// Last output of the position loop, velocity units.
     velocity_command: S,
@@ -42,7 +42,7 @@ impl<S: Scalar> AxisState<S> {
             feedforward: feedforward::State::at(command),
             position: position::State::AT_REST,
             velocity: velocity::State::at(reading.motor),
-            notch: filter::State::AT_REST,
+            notches: [filter::State::AT_REST; NOTCHES],
             low_pass: filter::State::AT_REST,
             velocity_command: S::ZERO,
             filtered_force: S::ZERO,
@@ -63,7 +63,12 @@ impl<S: Scalar> AxisState<S> {
     /// and the filters of an axis at rest start with it.
     pub fn preload(&mut self, force: S) {
         self.velocity.preload(force);
-        (self.notch, self.low_pass) = (filter::State::settled(force), filter::State::settled(force));
+        self.settle_filters_at(force);
+    }
+
+    fn settle_filters_at(&mut self, force: S) {
+        self.notches = [filter::State::settled(force); NOTCHES];
+        self.low_pass = filter::State::settled(force);
     }
 
     /// The axis after the readings of motor and table have been shifted by `origin`, and the command with them to `command`: the
@@ -138,11 +143,10 @@ impl<S: Scalar> AxisState<S> {
         let mut filtered = pi.force;
         if self.settle_filters {
             self.settle_filters = false;
-            (self.notch, self.low_pass) =
-                (filter::State::settled(filtered), filter::State::settled(filtered));
+            self.settle_filters_at(filtered);
         }
-        if let Some(notch) = &config.notch {
-            filtered = notch.step(&mut self.notch, filtered);
+        for (notch, state) in config.notches.iter().map_while(Option::as_ref).zip(&mut self.notches) {
+            filtered = notch.step(state, filtered);
         }
         if let Some(low_pass) = &config.low_pass {
             filtered = low_pass.step(&mut self.low_pass, filtered);

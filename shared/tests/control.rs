@@ -4,7 +4,7 @@ use crate::slide::Slide;
 use proptest::prelude::*;
 use shared::axis::{AxisState, Reading};
 use shared::compensate::Correction;
-use shared::config::{AxisConfig, AxisSettings, Law, LowPass, Notch, Rates};
+use shared::config::{AxisConfig, AxisSettings, Law, LowPass, Notch, Notches, Rates};
 use shared::scalar::{Fixed, Scalar};
 use shared::units::Position;
 
@@ -172,7 +172,10 @@ fn settings() -> impl Strategy<Value = AxisSettings> {
             feedforward_percent: kf,
             velocity_gain_n_s_per_m: kv,
             velocity_integral_time_s: ti,
-            notch: notch.then_some(Notch { frequency_hz: 700.0, width_hz: 200.0, depth: 0.9 }),
+            notches: Notches(
+                [700.0, 1100.0, 350.0, 1500.0]
+                    .map(|hz| notch.then_some(Notch { frequency_hz: hz, width_hz: 200.0, depth: 0.9 })),
+            ),
             low_pass: low_pass.then_some(LowPass { frequency_hz: 900.0, damping_ratio: 0.7 }),
             ..AxisSettings::default()
         })

@@ -14,6 +14,7 @@ mod link;
 mod lockstep;
 mod machine;
 mod monitor;
+mod notches;
 mod path;
 mod safety;
 mod slide;

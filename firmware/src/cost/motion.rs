@@ -6,7 +6,7 @@ use shared::compensate::settings::{
     Cycle, Factor, ForceModel, FrictionWarmUp, Pitch, PitchSource, Points, Product, Reversal, Straightness,
     Stribeck, TableFriction, Talk, TimePoints,
 };
-use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
+use shared::config::{AxisSettings, Law, LowPass, Notch, Notches, Rates, ScaleLimits, Sensors};
 use shared::interpolate::{Block, Ramps, Smoothing};
 use shared::machine::{Machine, Output};
 use shared::scalar::Scalar;
@@ -61,7 +61,12 @@ pub fn full_axis() -> AxisSettings {
         velocity_gain_n_s_per_m: 45_000.0,
         velocity_integral_time_s: Some(0.013),
         velocity_lag_s: 0.5 / RATES.velocity_loop_hz,
-        notch: Some(Notch { frequency_hz: 400.0, width_hz: 100.0, depth: 0.9 }),
+        notches: Notches([
+            Some(Notch { frequency_hz: 400.0, width_hz: 100.0, depth: 0.9 }),
+            None,
+            None,
+            None,
+        ]),
         low_pass: Some(LowPass { frequency_hz: 900.0, damping_ratio: 0.7 }),
         force_limit_n: 8000.0,
         sensors: Sensors::Dual {
@@ -256,7 +261,8 @@ fn compensated<S: Scalar>(
 /// A machine as [`machine`], with path, loops, dual feedback and monitoring only.
 #[must_use]
 pub fn plain_machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
-    let axis = AxisSettings { notch: None, low_pass: None, smoothing: Smoothing::None, ..full_axis() };
+    let axis =
+        AxisSettings { notches: Notches::NONE, low_pass: None, smoothing: Smoothing::None, ..full_axis() };
     ready(Machine::new(RATES, &[axis; AXES], START).ok()?, program)
 }
 

@@ -135,7 +135,7 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
             (all.commands(&tick.output.commands), all.forces(&readings))
         });
     }
-    let (notch, low_pass) = (all.notch.as_ref()?, all.low_pass.as_ref()?);
+    let (notch, low_pass) = (all.notches[0].as_ref()?, all.low_pass.as_ref()?);
     part.of("notch", &errors, filter::State::default(), |state, &x| notch.step(state, x));
     part.of("low-pass", &errors, filter::State::default(), |state, &x| low_pass.step(state, x));
     recording(&mut part, others);

@@ -19,6 +19,8 @@ mod broker;
 mod byte_stream;
 pub mod client;
 pub mod error;
+#[cfg(test)]
+mod fault_page;
 pub mod motion;
 pub mod observer;
 pub mod open;

@@ -1,9 +1,9 @@
 //! Conversion of the controller's keys in the machine file to settings of `shared`.
 
-use shared::config::{self, AxisSettings, Brake, LowPass, Notch, ScaleLimits};
+use shared::config::{self, AxisSettings, Brake, LowPass, Notch, Notches, ScaleLimits};
 use shared::interpolate::Smoothing;
 
-use crate::axis::{Controller, Drive, Feedback, Filters, Holding, Law, Limits, Sensors, Settings};
+use crate::axis::{Controller, Drive, Feedback, Filters, Holding, Law, Limits, PerNotch, Sensors, Settings};
 use crate::effects::{
     ComputationDelay, DriveDeadTime, DriveLag, Effect, FeedforwardMismatch, IntegralTimeMismatch, LoopDelay,
     PositionDelay, ServoMismatch, VelocityFilter, VelocityGainMismatch, VelocityLag,
@@ -153,7 +153,7 @@ pub fn settings(axis: &Settings, effects: &ServoParameters) -> Result<AxisSettin
         force_limit_n: controller.force_limit_n.unwrap_or(UNLIMITED_N),
         sensors: feedback,
         smoothing: smoothing(filters),
-        notch: notch(filters),
+        notches: notches(filters),
         low_pass: low_pass(filters),
         following_error_limit_m: following_error_limit_m(limits),
         fastest_m_per_s: limits.fastest_mm_per_s.map(|mm_per_s| 1e-3 * mm_per_s),
@@ -210,14 +210,34 @@ pub fn smoothing(filters: &Filters) -> Smoothing {
     }
 }
 
-/// The notch on the force, if all its keys are declared.
+/// The notches on the force of which all three numbers are declared.
 #[must_use]
-pub fn notch(filters: &Filters) -> Option<Notch> {
-    Some(Notch {
-        frequency_hz: filters.notch_frequency_hz?,
-        width_hz: filters.notch_width_hz?,
-        depth: filters.notch_depth?,
-    })
+pub fn notches(filters: &Filters) -> Notches {
+    let values = |key: &Option<PerNotch>| key.clone().map_or(Vec::new(), |values| values.0).into_iter();
+    let [frequencies_hz, widths_hz, depths] =
+        [&filters.notch_frequency_hz, &filters.notch_width_hz, &filters.notch_depth].map(values);
+    let mut notches = Notches::NONE;
+    let declared = frequencies_hz.zip(widths_hz).zip(depths);
+    for (notch, ((frequency_hz, width_hz), depth)) in notches.0.iter_mut().zip(declared) {
+        *notch = Some(Notch { frequency_hz, width_hz, depth });
+    }
+    notches
+}
+
+impl Filters {
+    /// These filters with other notches.
+    #[must_use]
+    pub fn with_notches(&self, notches: &[Notch]) -> Self {
+        let of = |value: fn(&Notch) -> f64| {
+            (!notches.is_empty()).then(|| PerNotch(notches.iter().map(value).collect()))
+        };
+        Self {
+            notch_frequency_hz: of(|notch| notch.frequency_hz),
+            notch_width_hz: of(|notch| notch.width_hz),
+            notch_depth: of(|notch| notch.depth),
+            ..self.clone()
+        }
+    }
 }
 
 /// The low-pass on the force, if both keys are declared.

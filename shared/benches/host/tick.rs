@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use shared::axis::Reading;
-use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
+use shared::config::{AxisSettings, Law, LowPass, Notch, Notches, Rates, ScaleLimits, Sensors};
 use shared::interpolate::Block;
 use shared::machine::Machine;
 use shared::scalar::{Fixed, Scalar};
@@ -20,7 +20,12 @@ fn full_settings() -> AxisSettings {
         law: Law::Hpc,
         feedforward_percent: 80.0,
         velocity_lag_s: 0.5 / 20_000.0,
-        notch: Some(Notch { frequency_hz: 400.0, width_hz: 100.0, depth: 0.9 }),
+        notches: Notches([
+            Some(Notch { frequency_hz: 400.0, width_hz: 100.0, depth: 0.9 }),
+            None,
+            None,
+            None,
+        ]),
         low_pass: Some(LowPass { frequency_hz: 900.0, damping_ratio: 0.7 }),
         sensors: Sensors::Dual { time_constant_s: 0.05, limits: ScaleLimits::DEFAULT },
         // The simulated axes follow their commands exactly, so that the force may stay saturated.

@@ -44,6 +44,12 @@ impl<S: Scalar> Active<S> {
         self.bits & bit(kind) != 0
     }
 
+    /// Whether a correction is computed that few machines need: one test for all of them.
+    #[inline]
+    pub const fn has_rare(&self) -> bool {
+        self.bits & (bit(CompensationKind::Screw) | bit(CompensationKind::Products)) != 0
+    }
+
     /// Whether the force model is computed.
     #[inline]
     pub const fn has_model(&self) -> bool {

@@ -148,7 +148,7 @@ impl<S: Scalar> AxisCompensation<S> {
         let acceleration_of =
             |axis: u8| motions.get(usize::from(axis)).map_or(S::ZERO, |motion| motion.acceleration);
         self.forces_of_motion(state, own);
-        let screw = self.screw_correction(state, own);
+        let mut screw = self.screw_correction(state, own);
         let round_robin = &state.round_robin;
         let mut sum = own.acceleration * round_robin.intalk
             + acceleration_of(self.crosstalk_source) * round_robin.crosstalk;
@@ -156,8 +156,13 @@ impl<S: Scalar> AxisCompensation<S> {
             sum += S::from_position(other.position) * state.active.squareness;
         }
         let mut tool = round_robin.tool + S::round(sum);
-        if state.active.has(CompensationKind::Products) {
-            tool = tool + self.products.correction(motions);
+        if state.active.has_rare() {
+            if state.active.has(CompensationKind::Screw) {
+                screw = screw - self.screw.at(own.position);
+            }
+            if state.active.has(CompensationKind::Products) {
+                tool = tool + self.products.correction(motions);
+            }
         }
         self.command.step(&mut state.screw, screw);
         self.command.step(&mut state.command, screw + tool);
@@ -172,9 +177,6 @@ impl<S: Scalar> AxisCompensation<S> {
         let mut screw = state.round_robin.screw_pitch + backlash;
         if active.has_model() {
             screw = screw + S::round(S::from_fixed(state.model.on_table) * active.stretch);
-        }
-        if active.has(CompensationKind::Screw) {
-            screw = screw - self.screw.at(own.position);
         }
         screw
     }

@@ -2,7 +2,9 @@
 
 use super::check::{finite, gain, gain_over_time, positive, ranged, resolved_gain};
 use super::error::ConfigError;
-use super::settings::{AxisSettings, Brake, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
+use super::settings::{
+    AxisSettings, Brake, Law, LowPass, NOTCHES, Notch, Notches, Rates, ScaleLimits, Sensors,
+};
 use crate::control::feedforward::Feedforward;
 use crate::control::filter::Filter;
 use crate::control::hpc::Hpc;
@@ -38,9 +40,9 @@ pub struct AxisConfig<S: Scalar> {
     pub position: PositionControl<S>,
     /// Velocity loop.
     pub velocity: VelocityControl<S>,
-    /// Notch filter of the force.
-    pub notch: Option<Filter<S>>,
-    /// Low-pass filter of the force, after the notch.
+    /// Notch filters of the force, in the order in which they act; the first `None` ends them.
+    pub notches: [Option<Filter<S>>; NOTCHES],
+    /// Low-pass filter of the force, after the notches.
     pub low_pass: Option<Filter<S>>,
     /// Fraction of the bumpless-transfer offset of the velocity command that decays per position tick.
     pub velocity_transfer_decay: S::Gain,
@@ -111,7 +113,7 @@ impl<S: Scalar> AxisConfig<S> {
                 hpc: matches!(settings.law, Law::Hpc).then(|| Hpc::new(kp / rates.position_rate)),
             },
             velocity,
-            notch: settings.notch.map(|notch| notch_filter(&notch, rates.rate)).transpose()?,
+            notches: notch_filters(&settings.notches, rates.rate)?,
             low_pass: settings.low_pass.map(|low_pass| low_pass_filter(&low_pass, rates.rate)).transpose()?,
             velocity_transfer_decay: S::gain(-libm::expm1(-kp / rates.position_rate)),
             force_transfer_decay: S::gain(-libm::expm1(-kp * rates.tick)),
@@ -192,6 +194,18 @@ fn prewarped(name: &'static str, frequency_hz: f64, rate_hz: f64) -> Result<f64,
     let frequency = positive(name, frequency_hz)?;
     let frequency = ranged(name, frequency, rate_hz * MIN_FILTER_RATIO, rate_hz * MAX_FILTER_RATIO)?;
     Ok(libm::tan(core::f64::consts::PI * frequency / rate_hz))
+}
+
+/// The notch filters that are declared, without gaps: a tick ends at the first that is missing.
+fn notch_filters<S: Scalar>(
+    notches: &Notches,
+    rate_hz: f64,
+) -> Result<[Option<Filter<S>>; NOTCHES], ConfigError> {
+    let mut filters = [None; NOTCHES];
+    for (filter, notch) in filters.iter_mut().zip(notches.iter()) {
+        *filter = Some(notch_filter(notch, rate_hz)?);
+    }
+    Ok(filters)
 }
 
 fn notch_filter<S: Scalar>(notch: &Notch, rate_hz: f64) -> Result<Filter<S>, ConfigError> {

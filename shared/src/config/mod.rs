@@ -30,4 +30,4 @@ pub mod settings;
 pub use axis::{AxisConfig, BrakeTicks, UNLIMITED};
 pub use envelope::AxisEnvelope;
 pub use error::ConfigError;
-pub use settings::{AxisSettings, Brake, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
+pub use settings::{AxisSettings, Brake, Law, LowPass, NOTCHES, Notch, Notches, Rates, ScaleLimits, Sensors};

@@ -6,7 +6,7 @@
 //! | [`position`] | position loop: P, or P behind the filter of [`hpc`] |
 //! | [`hpc`] | high-order position control: a second-order filter of the following error |
 //! | [`velocity`] | velocity loop: PI with anti-windup, on the differenced motor reading |
-//! | [`mod@filter`] | notch and low-pass filter of the force |
+//! | [`mod@filter`] | notches and low-pass filter of the force |
 //! | [`bumpless_transfer`] | no jump of velocity command or force when gains are changed |
 
 pub mod bumpless_transfer;

@@ -37,7 +37,7 @@ const fn default_settings() -> AxisSettings {
         velocity_gain_n_s_per_m: 3000.0,
         velocity_integral_time_s: Some(0.02),
         velocity_lag_s: 0.0,
-        notch: None,
+        notches: shared::config::Notches::NONE,
         low_pass: None,
         force_limit_n: 200.0,
         sensors: Sensors::MOTOR,

@@ -5,7 +5,7 @@ use shared::compensate::settings::{
     Cycle, Factor, ForceModel, Pitch, PitchSource, Points, Product, Reversal, Straightness, Stribeck,
     TableFriction, Talk, TimePoints,
 };
-use shared::config::{AxisSettings, Brake, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
+use shared::config::{AxisSettings, Brake, Law, LowPass, Notch, Notches, Rates, ScaleLimits, Sensors};
 use shared::interpolate::{Block, Ramps, Smoothing};
 
 use super::draws::Draws;
@@ -37,11 +37,13 @@ pub fn axis(draws: &mut Draws, gain_error: f64) -> AxisSettings {
         velocity_gain_n_s_per_m: draws.between(8_000.0, 20_000.0) * (1.0 + gain_error),
         velocity_integral_time_s: draws.maybe(|draws| draws.between(0.01, 0.05)),
         velocity_lag_s: draws.between(0.0, 50e-6),
-        notch: draws.maybe(|draws| Notch {
-            frequency_hz: draws.between(100.0, 800.0),
-            width_hz: draws.between(20.0, 100.0),
-            depth: draws.between(0.5, 1.0),
-        }),
+        notches: Notches(std::array::from_fn(|_| {
+            draws.maybe(|draws| Notch {
+                frequency_hz: draws.between(100.0, 800.0),
+                width_hz: draws.between(20.0, 100.0),
+                depth: draws.between(0.5, 1.0),
+            })
+        })),
         low_pass: draws
             .maybe(|draws| LowPass { frequency_hz: draws.between(400.0, 2000.0), damping_ratio: 0.7 }),
         force_limit_n: draws.between(200.0, 3000.0),

@@ -242,7 +242,7 @@ mod all_features {
         TableFriction, Talk, TimePoints,
     };
     use shared::compensate::{CompensationKind, CompensationSettings};
-    use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
+    use shared::config::{AxisSettings, Law, LowPass, Notch, Notches, Rates, ScaleLimits, Sensors};
     use shared::interpolate::{Block, Ramps, Smoothing};
     use shared::lockstep::protocol::{LONGEST_ORDER, PART, Part, Setup};
     use shared::lockstep::session::{NoMeter, Session};
@@ -260,7 +260,10 @@ mod all_features {
             velocity_gain_n_s_per_m: 20_000.0,
             velocity_integral_time_s: Some(0.02),
             velocity_lag_s: 25e-6,
-            notch: Some(Notch { frequency_hz: 300.0, width_hz: 100.0, depth: 0.9 }),
+            notches: Notches(
+                [300.0, 700.0, 150.0, 1200.0]
+                    .map(|frequency_hz| Some(Notch { frequency_hz, width_hz: 100.0, depth: 0.9 })),
+            ),
             low_pass: Some(LowPass { frequency_hz: 900.0, damping_ratio: 0.7 }),
             sensors: Sensors::Dual {
                 time_constant_s: 0.03,

@@ -24,8 +24,8 @@ pub struct LinearAxis {
     /// Ticks of the velocity loop per tick of the position loop.
     divider: u32,
     velocity: VelocityLoop,
-    notch: Option<Filter>,
-    low_pass: Option<Filter>,
+    /// Filters of the force in the order in which they act: notches, low-pass.
+    filters: Vec<Filter>,
     motor_latency: Latency,
     table_latency: Latency,
     feedback: Sensors,
@@ -122,8 +122,7 @@ struct State {
     last_reading: f64,
     last_increment: f64,
     integral: f64,
-    notch: [f64; 2],
-    low_pass: [f64; 2],
+    filters: Vec<[f64; 2]>,
 }
 
 impl LinearAxis {
@@ -144,9 +143,12 @@ impl LinearAxis {
         let (a, b) = mechanics.after(tick_s);
         let gain = settings.velocity_gain_n_s_per_m;
         let lag = settings.velocity_lag_s / tick_s;
-        let notch = settings
-            .notch
-            .map(|n| (n.frequency_hz, n.width_hz / n.frequency_hz, n.depth * n.width_hz / n.frequency_hz));
+        let notches = settings.notches.iter().map(|notch| {
+            let k = notch.width_hz / notch.frequency_hz;
+            Filter::new(notch.frequency_hz, tick_s, k, Some(notch.depth * k))
+        });
+        let low_pass =
+            settings.low_pass.map(|l| Filter::new(l.frequency_hz, tick_s, 2.0 * l.damping_ratio, None));
         Self {
             mechanics,
             a,
@@ -158,10 +160,7 @@ impl LinearAxis {
                 integral: settings.velocity_integral_time_s.map_or(0.0, |time_s| gain * tick_s / time_s),
                 rates: [(1.0 - lag) / tick_s, lag / tick_s],
             },
-            notch: notch.map(|(hz, k, dk)| Filter::new(hz, tick_s, k, Some(dk))),
-            low_pass: settings
-                .low_pass
-                .map(|l| Filter::new(l.frequency_hz, tick_s, 2.0 * l.damping_ratio, None)),
+            filters: notches.chain(low_pass).collect(),
             motor_latency: Latency::new(instruments.motor_latency_s + late_s, tick_s),
             table_latency: Latency::new(instruments.table_latency_s + late_s, tick_s),
             feedback: settings.sensors,
@@ -270,16 +269,9 @@ impl LinearAxis {
             0.0
         };
         let mut wanted = error + next.integral;
-        let mut filtered = |filter: &Option<Filter>, state| match filter {
-            Some(filter) => {
-                let (output, next) = filter.step(state, wanted);
-                wanted = output;
-                next
-            }
-            None => [0.0; 2],
-        };
-        next.notch = filtered(&self.notch, state.notch);
-        next.low_pass = filtered(&self.low_pass, state.low_pass);
+        for (filter, state) in self.filters.iter().zip(&mut next.filters) {
+            (wanted, *state) = filter.step(*state, wanted);
+        }
         let wanted_n = self.velocity.gain * wanted;
         let moved =
             &self.a * DVector::from_column_slice(&state.mechanics) + &self.b * force_n.unwrap_or(wanted_n);
@@ -288,7 +280,11 @@ impl LinearAxis {
     }
 
     fn states(&self) -> usize {
-        self.mechanics.states() + self.motor_latency.states() + self.table_latency.states() + 7
+        self.mechanics.states()
+            + self.motor_latency.states()
+            + self.table_latency.states()
+            + 3
+            + 2 * self.filters.len()
     }
 
     fn state(&self, vector: &[f64]) -> State {
@@ -302,8 +298,7 @@ impl LinearAxis {
             last_reading: rest[0],
             last_increment: rest[1],
             integral: rest[2],
-            notch: [rest[3], rest[4]],
-            low_pass: [rest[5], rest[6]],
+            filters: rest[3..].as_chunks().0.to_vec(),
         }
     }
 }
@@ -314,7 +309,7 @@ impl State {
         vector.extend(&self.motor_past);
         vector.extend(&self.table_past);
         vector.extend([self.last_reading, self.last_increment, self.integral]);
-        vector.extend(self.notch.iter().chain(&self.low_pass));
+        vector.extend(self.filters.as_flattened());
         vector
     }
 }

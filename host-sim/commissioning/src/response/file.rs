@@ -6,7 +6,7 @@ use files::document::read_text;
 use files::error::InputError;
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
-use shared::config::Notch;
+use shared::config::{NOTCHES, Notch};
 
 use super::margins::MeasuredMargins;
 use super::point::{Loop, Point};
@@ -14,7 +14,7 @@ use super::resonances::{Resonance, resonances};
 use crate::margins::AxisMargins;
 use crate::margins::axis_margins::LoopMargins;
 use crate::margins::margin::At;
-use model::axis::{Feedback, Law, Settings};
+use model::axis::{Feedback, Law, PerNotch, Settings};
 
 /// Version of the file.
 pub const VERSION: u32 = 1;
@@ -44,7 +44,7 @@ pub struct Conditions {
 }
 
 /// The keys of a machine file on which the loops of an axis depend, besides its plant. A key that the file does not have is absent.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ControllerKeys {
     /// Control law of the position loop.
@@ -61,15 +61,15 @@ pub struct ControllerKeys {
     /// Ti, s; absent: no integral part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity_integral_time_s: Option<f64>,
-    /// Centre of the notch, Hz.
+    /// Centre of each notch, Hz.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub notch_frequency_hz: Option<f64>,
-    /// Width of the notch, Hz.
+    pub notch_frequency_hz: Option<PerNotch>,
+    /// Width of each notch, Hz.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub notch_width_hz: Option<f64>,
-    /// Depth of the notch, 0 to 1.
+    pub notch_width_hz: Option<PerNotch>,
+    /// Depth of each notch, 0 to 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub notch_depth: Option<f64>,
+    pub notch_depth: Option<PerNotch>,
     /// Corner of the low-pass, Hz.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub low_pass_frequency_hz: Option<f64>,
@@ -86,9 +86,9 @@ impl From<&Settings> for ControllerKeys {
             position_gain_per_s: controller.position_gain_per_s,
             velocity_gain_n_s_per_m: controller.velocity_gain_n_s_per_m,
             velocity_integral_time_s: controller.velocity_integral_time_s,
-            notch_frequency_hz: filters.notch_frequency_hz,
-            notch_width_hz: filters.notch_width_hz,
-            notch_depth: filters.notch_depth,
+            notch_frequency_hz: filters.notch_frequency_hz.clone(),
+            notch_width_hz: filters.notch_width_hz.clone(),
+            notch_depth: filters.notch_depth.clone(),
             low_pass_frequency_hz: filters.low_pass_frequency_hz,
             low_pass_damping_ratio: filters.low_pass_damping_ratio,
         }
@@ -171,31 +171,45 @@ pub struct Margins {
     pub gain_margin_db: Option<Margin>,
 }
 
-/// Keys of a machine file for a notch.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// Keys of a machine file for notches.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NotchKeys {
-    /// Centre, Hz.
-    pub notch_frequency_hz: f64,
-    /// Width, Hz.
-    pub notch_width_hz: f64,
-    /// Depth, 0 to 1.
-    pub notch_depth: f64,
+    /// Centre of each, Hz.
+    pub notch_frequency_hz: PerNotch,
+    /// Width of each, Hz.
+    pub notch_width_hz: PerNotch,
+    /// Depth of each, 0 to 1.
+    pub notch_depth: PerNotch,
 }
 
-impl From<Notch> for NotchKeys {
-    fn from(notch: Notch) -> Self {
-        Self {
-            notch_frequency_hz: notch.frequency_hz,
-            notch_width_hz: notch.width_hz,
-            notch_depth: notch.depth,
-        }
+impl NotchKeys {
+    /// The notches for the highest resonances, as many as an axis can have; `None`: there is no resonance.
+    #[must_use]
+    pub fn of(resonances: &[Resonance]) -> Option<Self> {
+        let mut highest = resonances.to_vec();
+        highest.sort_by(|one, other| other.height_db.total_cmp(&one.height_db));
+        highest.truncate(NOTCHES);
+        let notches: Vec<Notch> = highest.iter().map(Resonance::notch).collect();
+        (!notches.is_empty()).then(|| Self::from(notches.as_slice()))
+    }
+
+    /// The notches.
+    #[must_use]
+    pub fn notches(&self) -> Vec<Notch> {
+        let numbers = self.notch_frequency_hz.0.iter().zip(&self.notch_width_hz.0).zip(&self.notch_depth.0);
+        numbers.map(|((&frequency_hz, &width_hz), &depth)| Notch { frequency_hz, width_hz, depth }).collect()
     }
 }
 
-impl From<NotchKeys> for Notch {
-    fn from(keys: NotchKeys) -> Self {
-        Self { frequency_hz: keys.notch_frequency_hz, width_hz: keys.notch_width_hz, depth: keys.notch_depth }
+impl From<&[Notch]> for NotchKeys {
+    fn from(notches: &[Notch]) -> Self {
+        let of = |value: fn(&Notch) -> f64| PerNotch(notches.iter().map(value).collect());
+        Self {
+            notch_frequency_hz: of(|notch| notch.frequency_hz),
+            notch_width_hz: of(|notch| notch.width_hz),
+            notch_depth: of(|notch| notch.depth),
+        }
     }
 }
 
@@ -213,7 +227,7 @@ pub struct ResponseFile {
     pub margins: Vec<Margins>,
     /// Resonances, ascending.
     pub resonances: Vec<Resonance>,
-    /// A notch for the highest of them.
+    /// Notches for the highest of them, the highest first.
     pub notch: Option<NotchKeys>,
 }
 
@@ -237,8 +251,7 @@ impl ResponseFile {
     #[must_use]
     pub fn new(conditions: Conditions, points: &[Point], declared: &AxisMargins) -> Self {
         let found = resonances(points);
-        let highest = found.iter().max_by(|one, other| one.height_db.total_cmp(&other.height_db));
-        let notch = highest.map(|resonance| resonance.notch().into());
+        let notch = NotchKeys::of(&found);
         let measured = Loop::ALL
             .into_iter()
             .filter(|which| points.iter().any(|point| point.of_loop(*which).is_some()))

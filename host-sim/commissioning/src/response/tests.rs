@@ -179,6 +179,29 @@ fn the_resonance_of_two_masses_is_found_with_its_notch() {
     assert!(notch.depth > 0.6 && notch.depth < 1.0 && notch.width_hz.to_bits() == found.to_bits());
 }
 
+/// The highest first, no more than an axis can have; the keys give back the notches, and one is written as a number.
+#[test]
+fn notches_are_proposed_for_the_highest_resonances() {
+    use super::file::NotchKeys;
+    use super::resonances::Resonance;
+    use shared::config::NOTCHES;
+
+    let resonance = |number: u32| {
+        let height_db = f64::from([5, 9, 4, 20, 7, 3][number as usize]);
+        Resonance { frequency_hz: 100.0 * f64::from(number + 1), height_db, width_hz: None }
+    };
+    let found: Vec<Resonance> = (0..6).map(resonance).collect();
+    let keys = NotchKeys::of(&found).unwrap();
+    assert_eq!(keys.notch_frequency_hz.0, [400.0, 200.0, 500.0, 100.0]);
+    assert_eq!(keys.notches()[1], found[1].notch());
+    assert_eq!(keys.notches().len(), NOTCHES);
+    assert_eq!(keys.notch_frequency_hz.toml(0), "[400, 200, 500, 100]");
+    assert_eq!(NotchKeys::of(&[]), None);
+    let one = serde_json::to_value(NotchKeys::of(&found[..1])).unwrap();
+    assert_eq!(one["notch_frequency_hz"], 100.0);
+    assert_eq!(serde_json::from_value::<NotchKeys>(one).ok(), NotchKeys::of(&found[..1]));
+}
+
 #[test]
 fn a_plan_has_ascending_harmonics_in_spread_groups_and_refuses_what_it_cannot_measure() {
     use super::PlanError::{From, To, Tones};

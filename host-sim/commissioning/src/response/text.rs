@@ -3,7 +3,7 @@
 use super::file::{Margin, Margins, ResponseFile};
 use super::margins::LEAST_COHERENCE;
 
-/// Tables of margins and resonances, and the notch that is proposed.
+/// Tables of margins and resonances, and the notches that are proposed.
 #[must_use]
 pub fn of(file: &ResponseFile) -> String {
     let mut lines = vec![format!(
@@ -31,9 +31,14 @@ pub fn of(file: &ResponseFile) -> String {
         ));
     }
     if let Some(notch) = &file.notch {
+        let is_one = notch.notch_frequency_hz.0.len() == 1;
         lines.push(format!(
-            "A notch for it: notch_frequency_hz = {:.0}, notch_width_hz = {:.0}, notch_depth = {:.2}. `margins` shows what it costs.",
-            notch.notch_frequency_hz, notch.notch_width_hz, notch.notch_depth
+            "{}: notch_frequency_hz = {}, notch_width_hz = {}, notch_depth = {}. `margins` shows what {}.",
+            if is_one { "A notch for it" } else { "Notches for the highest, the highest first" },
+            notch.notch_frequency_hz.toml(0),
+            notch.notch_width_hz.toml(0),
+            notch.notch_depth.toml(2),
+            if is_one { "it costs" } else { "they cost" }
         ));
     }
     lines.join("\n")

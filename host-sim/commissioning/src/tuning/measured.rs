@@ -21,7 +21,7 @@ use crate::margins::axis_margins::AxisLoops;
 use crate::margins::sampled::Sampled;
 use crate::margins::{Condition, MarginLimits};
 use crate::response::ResponseFile;
-use crate::response::file::{Conditions, Tone};
+use crate::response::file::{Conditions, NotchKeys, Tone};
 use crate::response::margins::{LEAST_COHERENCE, MeasuredMargins};
 use model::axis::{Feedback, Settings};
 use model::machine::Machine;
@@ -120,8 +120,8 @@ pub struct MeasuredAxis {
     pub index: usize,
     /// The sensor that closed the position loop.
     pub feedback: Feedback,
-    /// The notch that was proposed for its highest resonance.
-    pub notch: Option<Notch>,
+    /// The notches that were proposed for its highest resonances, the highest first.
+    pub notches: Vec<Notch>,
     lines: Vec<Line>,
 }
 
@@ -154,7 +154,7 @@ impl MeasuredAxis {
             axis: axis.clone(),
             index,
             feedback: settings.sensors.feedback,
-            notch: file.notch.map(Notch::from),
+            notches: file.notch.as_ref().map(NotchKeys::notches).unwrap_or_default(),
             lines,
         })
     }
@@ -191,6 +191,19 @@ impl MeasuredAxis {
     }
 }
 
+/// Whether two values of a key are the same, but for their rounding.
+fn is_same(one: &Value, other: &Value) -> bool {
+    match (one, other) {
+        (Value::Array(one), Value::Array(other)) => {
+            one.len() == other.len() && one.iter().zip(other).all(|(one, other)| is_same(one, other))
+        }
+        _ => match (one.as_f64(), other.as_f64()) {
+            (Some(one), Some(other)) => (one - other).abs() <= SAME * one.abs(),
+            _ => one == other,
+        },
+    }
+}
+
 /// The controller with which the axis was measured has to be that of the machine file: its loops are divided by those of the model.
 fn check_controller(conditions: &Conditions, machine: &Machine, settings: &Settings) -> Result<(), String> {
     let [measured, declared] = [
@@ -202,10 +215,6 @@ fn check_controller(conditions: &Conditions, machine: &Machine, settings: &Setti
         keys["velocity_loop_rate_hz"] = json!(hz);
         keys
     });
-    let is_same = |one: &Value, other: &Value| match (one.as_f64(), other.as_f64()) {
-        (Some(one), Some(other)) => (one - other).abs() <= SAME * one.abs(),
-        _ => one == other,
-    };
     let keys =
         [&measured, &declared].into_iter().filter_map(Value::as_object).flat_map(serde_json::Map::keys);
     for key in keys {

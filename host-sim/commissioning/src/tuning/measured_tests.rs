@@ -12,7 +12,7 @@ use crate::margins::axis_margins::AxisLoops;
 use crate::margins::{Condition, MarginLimits};
 use crate::response::ResponseFile;
 use crate::response::file::{Conditions, NotchKeys, Tone};
-use model::axis::{Feedback, Law};
+use model::axis::{Feedback, Law, PerNotch};
 use model::machine::Machine;
 use plant::instruments::Instruments;
 
@@ -75,15 +75,16 @@ fn delayed(late_s: f64) -> ResponseFile {
     response(|hz| Complex::from_polar(1.0, -TAU * hz * late_s))
 }
 
-/// Kv of the fastest velocity loop, and its notch, Hz.
-fn tuned(measured: Option<&ResponseFile>) -> (f64, Option<f64>) {
+/// Kv of the fastest velocity loop, and its notches, Hz.
+fn tuned(measured: Option<&ResponseFile>) -> (f64, Vec<f64>) {
     let machine = rigid();
     let instruments = Instruments::of(&machine, 0);
     let axes: Vec<MeasuredAxis> =
         measured.into_iter().map(|file| MeasuredAxis::of(file, &machine, &instruments).unwrap()).collect();
     let tuned = fastest(&machine, &instruments, LIMITS, &axes).unwrap();
     let settings = &tuned.axis["x"].settings;
-    (settings.controller.velocity_gain_n_s_per_m.unwrap(), settings.filters.notch_frequency_hz)
+    let notches = settings.filters.notch_frequency_hz.clone().map_or(Vec::new(), |hz| hz.0);
+    (settings.controller.velocity_gain_n_s_per_m.unwrap(), notches)
 }
 
 #[test]
@@ -106,21 +107,61 @@ fn a_delay_that_the_model_lacks_leaves_the_phase_margin() {
     assert!(gain < 0.8 * tuned(None).0);
 }
 
+/// A mode that raises the plant by a factor of 4: 1 + 0.24/(2·0.04).
+fn mode(hz: f64, centre_hz: f64) -> Complex<f64> {
+    let s = Complex::new(0.0, hz / centre_hz);
+    1.0 + 0.24 * s / (s * s + 0.08 * s + 1.0)
+}
+
+/// Notches that take such modes off.
+fn notches(centres_hz: &[f64]) -> NotchKeys {
+    let of = |factor: f64| PerNotch(centres_hz.iter().map(|hz| factor * hz).collect());
+    NotchKeys {
+        notch_frequency_hz: of(1.0),
+        notch_width_hz: of(0.2),
+        notch_depth: PerNotch(vec![0.75; centres_hz.len()]),
+    }
+}
+
+/// Of two modes that are as high, one notch leaves the other: both are proposed, although the first one alone does not raise Kv. A third
+/// where there is no mode would not raise it, and is left out.
+#[test]
+fn each_measured_resonance_has_its_notch() {
+    let mut file = response(|hz| mode(hz, 280.0) * mode(hz, 520.0));
+    let (without, _) = tuned(Some(&file));
+    file.notch = Some(notches(&[280.0, 520.0, 1500.0]));
+    let (with, found) = tuned(Some(&file));
+    assert_eq!(found, [280.0, 520.0]);
+    file.notch = Some(notches(&[280.0]));
+    let (with_one, _) = tuned(Some(&file));
+    assert!(with > 1.2 * with_one.max(without), "{without}, {with_one}, {with}");
+}
+
+/// A declared notch is kept, and has no second one beside it: the measured loop already has its effect.
+#[test]
+fn a_declared_notch_is_kept() {
+    let keys = "notch_frequency_hz = 300\nnotch_width_hz = 60\nnotch_depth = 0.75\ncontroller = ";
+    let machine = machine(&RIGID.replacen("controller = ", keys, 1));
+    let instruments = Instruments::of(&machine, 0);
+    let mut file = response(|hz| mode(hz, 420.0));
+    file.conditions.controller = (&machine.axis["x"].settings).into();
+    file.notch = Some(notches(&[310.0, 420.0]));
+    let axis = MeasuredAxis::of(&file, &machine, &instruments).unwrap();
+    let tuned = fastest(&machine, &instruments, LIMITS, &[axis]).unwrap();
+    let found = tuned.axis["x"].settings.filters.notch_frequency_hz.clone();
+    assert_eq!(found, Some(PerNotch(vec![300.0, 420.0])));
+}
+
 /// A mode of 300 Hz raises the plant by a factor of 4 there. The notch of the response takes it off; without it, Kv has to be lower by
 /// what the mode adds: not below the gain at which its peak, 4·Kv/(ω·m), is at −6 dB.
 #[test]
 fn the_notch_is_that_of_the_measured_resonance() {
-    let mode = |hz: f64| {
-        let s = Complex::new(0.0, hz / 300.0);
-        // At 300 Hz: 1 + 0.24/(2·0.04) = 4.
-        1.0 + 0.24 * s / (s * s + 0.08 * s + 1.0)
-    };
-    let mut file = response(mode);
+    let mut file = response(|hz| mode(hz, 300.0));
     let (without, none) = tuned(Some(&file));
-    file.notch = Some(NotchKeys { notch_frequency_hz: 300.0, notch_width_hz: 60.0, notch_depth: 0.75 });
+    file.notch = Some(notches(&[300.0]));
     let (with, notch) = tuned(Some(&file));
     let (of_model, _) = tuned(None);
-    assert_eq!((none, notch), (None, Some(300.0)));
+    assert_eq!((none, notch), (vec![], vec![300.0]));
     assert!(1.1 * without <= with && with <= of_model, "{without}, {with}, {of_model}");
     let peak_below = 0.5 * TAU * 300.0 * MASS_KG / 4.0;
     assert!(without >= peak_below / 1.05, "{without}, {peak_below}");
@@ -165,7 +206,7 @@ fn a_response_with_other_settings_is_refused() {
     refused(&file, "the machine file has no such axis");
     file.conditions.axis = "x".to_owned();
     file.conditions.controller.velocity_gain_n_s_per_m = Some(6000.0);
-    file.conditions.controller.notch_depth = Some(0.5);
+    file.conditions.controller.notch_depth = Some(PerNotch(vec![0.5]));
     refused(&file, "measured with notch_depth = 0.5, and the machine file has none");
     file.conditions.controller.notch_depth = None;
     file.conditions.tick_rate_hz = 20_000.0;

@@ -1,4 +1,4 @@
-//! Proposes settings of the loops from the identified plant: Kv, Ti and a notch for the velocity loop, then law, feedback, Kp and
+//! Proposes settings of the loops from the identified plant: Kv, Ti and notches for the velocity loop, then law, feedback, Kp and
 //! velocity feed-forward for the position loop, each as fast as given margins allow. The simulated contour error decides.
 //!
 //! - [`velocity_loop`]: the fastest velocity loop of an axis

@@ -77,7 +77,7 @@ impl Proposal {
             self.sentence(best),
             String::new(),
             format!(
-                "{:<10}{:>6}{:>10}{:>10}{:>8}{:>12}{:>10}{:>9}{:>20}{:>20}",
+                "{:<10}{:>6}{:>10}{:>10}{:>8}{:>12}{:>10}{:>14}{:>20}{:>20}",
                 "",
                 "law",
                 "feedback",
@@ -209,7 +209,10 @@ fn settings_row(settings: &Settings, margins: &AxisMargins) -> String {
         number(controller.feedforward_percent, 8, 0),
         number(controller.velocity_gain_n_s_per_m, 12, 0),
         number(controller.velocity_integral_time_s.map(|s| 1e3 * s), 10, 1),
-        number(filters.notch_frequency_hz, 9, 0),
+        filters
+            .notch_frequency_hz
+            .as_ref()
+            .map_or(format!(" {:>13}", "–"), |hz| format!(" {:>13}", hz.words(0))),
         loop_words(&margins.velocity),
         loop_words(&margins.position),
     )

@@ -11,8 +11,9 @@ use crate::margins::axis_margins::AxisLoops;
 use crate::margins::{MarginError, MarginLimits};
 use model::axis::{Filters, Settings};
 use model::machine::Machine;
+use model::servo;
 use plant::instruments::Instruments;
-use shared::config::Notch;
+use shared::config::{NOTCHES, Notch};
 
 /// Crossover over corner of the integral part.
 const INTEGRAL_RATIO: f64 = 4.0;
@@ -27,10 +28,10 @@ const STEP: f64 = 1.05;
 /// amplified by Kv.
 const MAX_FORCE_PER_COUNT: f64 = 0.01;
 
-/// Width of the notch over its centre, and its depth.
+/// Width of a notch at the resonance of the model over its centre, and its depth.
 const NOTCH: (f64, f64) = (0.5, 0.9);
 
-/// The least gain by which a notch has to raise Kv to be proposed.
+/// The least factor by which each notch has to raise Kv to be proposed.
 const MIN_GAIN_OF_NOTCH: f64 = 1.1;
 
 /// The machine with the fastest velocity loop on each axis. A measured axis has the margins by the model and as measured.
@@ -55,15 +56,17 @@ pub fn fastest(
         };
         let settings = &machine.axis[index].settings;
         let highest_gain = highest_for_noise(settings, machine.rates().velocity_loop_hz, instruments);
-        let plain = highest(settings, highest_gain, &usable)?;
-        let notched = match notch(settings, machine.rates().velocity_loop_hz, measured) {
-            Some(filters) => highest(&Settings { filters, ..settings.clone() }, highest_gain, &usable)?,
-            None => None,
-        };
-        let gain = |settings: &Option<Settings>| {
-            settings.as_ref().and_then(|settings| settings.controller.velocity_gain_n_s_per_m).unwrap_or(0.0)
-        };
-        let best = if gain(&notched) >= MIN_GAIN_OF_NOTCH * gain(&plain) { notched } else { plain };
+        let mut best = highest(settings, highest_gain, &usable)?;
+        let mut least = MIN_GAIN_OF_NOTCH * gain(best.as_ref());
+        for filters in with_notches(settings, machine.rates().velocity_loop_hz, measured) {
+            let notched = highest(&Settings { filters, ..settings.clone() }, highest_gain, &usable)?;
+            if gain(notched.as_ref()) >= least {
+                least = gain(notched.as_ref());
+                best = notched;
+            }
+            // Each further notch has to raise the gain as much again: alone or together with the one before it.
+            least *= MIN_GAIN_OF_NOTCH;
+        }
         let axis = machine.axis.get_index(index).map_or("", |(name, _)| name).to_owned();
         tuned.axis[index].settings = best.ok_or(TuningError::NoVelocityLoop { axis })?;
     }
@@ -107,18 +110,30 @@ fn highest_for_noise(settings: &Settings, velocity_loop_hz: f64, instruments: &I
     }
 }
 
-/// The filters with a notch at the measured resonance, else at that of motor against table; `None`: the axis is rigid, has a notch already,
-/// or the resonance is beyond what the loop can filter.
-fn notch(settings: &Settings, velocity_loop_hz: f64, measured: Option<&MeasuredAxis>) -> Option<Filters> {
-    let notch = measured.and_then(|axis| axis.notch).or_else(|| of_model(settings))?;
-    let is_free =
-        settings.filters.notch_frequency_hz.is_none() && notch.frequency_hz < 0.25 * velocity_loop_hz;
-    is_free.then(|| Filters {
-        notch_frequency_hz: Some(notch.frequency_hz),
-        notch_width_hz: Some(notch.width_hz),
-        notch_depth: Some(notch.depth),
-        ..settings.filters.clone()
-    })
+/// Kv of settings; 0 without it.
+fn gain(settings: Option<&Settings>) -> f64 {
+    settings.and_then(|settings| settings.controller.velocity_gain_n_s_per_m).unwrap_or(0.0)
+}
+
+/// The filters with one, two and more notches at the measured resonances, the highest first, else with one at that of motor against table;
+/// without those that a declared notch has already, or that are beyond what the loop can filter, and with no more than an axis can have.
+fn with_notches(settings: &Settings, velocity_loop_hz: f64, measured: Option<&MeasuredAxis>) -> Vec<Filters> {
+    let mut found = measured.map_or(Vec::new(), |axis| axis.notches.clone());
+    if found.is_empty() {
+        found.extend(of_model(settings));
+    }
+    let mut notches: Vec<Notch> = servo::notches(&settings.filters).iter().copied().collect();
+    let mut filters = Vec::new();
+    for new in found {
+        let is_covered =
+            notches.iter().any(|notch| (notch.frequency_hz - new.frequency_hz).abs() <= 0.5 * notch.width_hz);
+        if is_covered || new.frequency_hz >= 0.25 * velocity_loop_hz || notches.len() == NOTCHES {
+            continue;
+        }
+        notches.push(new);
+        filters.push(settings.filters.with_notches(&notches));
+    }
+    filters
 }
 
 /// A notch at the resonance of motor against table.

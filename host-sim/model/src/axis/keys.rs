@@ -58,12 +58,12 @@ macro_rules! axis_keys {
                 smoothing_jerk_s: Option<f64> [Positive],
                 /// Time constant of a first-order lag of the path, in place of the two windows.
                 smoothing_time_constant_s: Option<f64> [Positive],
-                /// Centre of a notch on the force; absent: no notch.
-                notch_frequency_hz: Option<f64> [Positive],
-                /// Width of the notch between its −3 dB points at full depth.
-                notch_width_hz: Option<f64> [Positive],
-                /// Fraction of the amplitude that the notch removes at its centre; 1: all.
-                notch_depth: Option<f64> [UpTo(1.0)],
+                /// Centre of each notch on the force; absent: no notch.
+                notch_frequency_hz: Option<PerNotch> [Positive],
+                /// Width of each notch between its −3 dB points at full depth.
+                notch_width_hz: Option<PerNotch> [Positive],
+                /// Fraction of the amplitude that each notch removes at its centre; 1: all.
+                notch_depth: Option<PerNotch> [UpTo(1.0)],
                 /// Corner of a second-order low-pass on the force; absent: no low-pass.
                 low_pass_frequency_hz: Option<f64> [Positive],
                 /// ζ of the low-pass.

@@ -5,9 +5,11 @@
 //! generated from them.
 
 mod keys;
+mod per_notch;
 mod tolerated;
 
 pub(crate) use keys::axis_keys;
+pub use per_notch::PerNotch;
 pub(crate) use tolerated::tolerated_keys;
 pub use tolerated::{TOLERATED, Tolerances, Tolerated, is_mass};
 
@@ -127,8 +129,8 @@ pub struct Key {
     pub range: Option<Range>,
     /// Whether an axis declares the key.
     pub is_given: fn(&Settings) -> bool,
-    /// Number declared by an axis.
-    pub number: fn(&Settings) -> Option<f64>,
+    /// Numbers declared by an axis: one, or one for each notch.
+    pub numbers: fn(&Settings) -> Vec<f64>,
 }
 
 /// Type of the field of a key: an `Option`, or a value with a default.
@@ -141,27 +143,35 @@ pub(crate) trait Field {
         !self.is_given()
     }
 
-    /// The declared number, if the value is a number.
-    fn number(&self) -> Option<f64>;
+    /// The declared numbers, if the value is a number or a list with a range.
+    fn numbers(&self) -> Vec<f64> {
+        Vec::new()
+    }
 }
 
 /// Type of a key's value.
 pub(crate) trait Value {
-    /// The value as a number, if it is one.
-    fn number(&self) -> Option<f64> {
-        None
+    /// The value as a number, or as one for each notch.
+    fn numbers(&self) -> Vec<f64> {
+        Vec::new()
     }
 }
 
 impl Value for f64 {
-    fn number(&self) -> Option<f64> {
-        Some(*self)
+    fn numbers(&self) -> Vec<f64> {
+        vec![*self]
     }
 }
 
 impl Value for u32 {
-    fn number(&self) -> Option<f64> {
-        Some(f64::from(*self))
+    fn numbers(&self) -> Vec<f64> {
+        vec![f64::from(*self)]
+    }
+}
+
+impl Value for PerNotch {
+    fn numbers(&self) -> Vec<f64> {
+        self.0.clone()
     }
 }
 
@@ -175,8 +185,8 @@ impl<T: Value> Field for Option<T> {
         self.is_some()
     }
 
-    fn number(&self) -> Option<f64> {
-        self.as_ref().and_then(Value::number)
+    fn numbers(&self) -> Vec<f64> {
+        self.as_ref().map(Value::numbers).unwrap_or_default()
     }
 }
 
@@ -184,20 +194,12 @@ impl Field for Drive {
     fn is_given(&self) -> bool {
         *self != Self::Torque
     }
-
-    fn number(&self) -> Option<f64> {
-        None
-    }
 }
 
 impl Field for Feedback {
     /// A written file always contains this key.
     fn is_given(&self) -> bool {
         true
-    }
-
-    fn number(&self) -> Option<f64> {
-        None
     }
 }
 
@@ -257,7 +259,7 @@ macro_rules! settings {
             group: stringify!($group),
             range: range!($($range)?),
             is_given: |settings| settings.$group.$field.is_given(),
-            number: |settings| settings.$group.$field.number(),
+            numbers: |settings| settings.$group.$field.numbers(),
         },)+)+];
     };
 }

@@ -13,7 +13,7 @@ use super::axis::Axis;
 use super::declared::Machine;
 use super::instruments::InstrumentKeys;
 use super::rotary;
-use crate::axis::{Drive, Feedback, KEYS, Key, Settings};
+use crate::axis::{Drive, Feedback, KEYS, Key, PerNotch, Settings};
 use crate::bodies::Assembly;
 use crate::effects::{Effect, KINDS, LONGEST_LATENCY_MS, Occurrence, Placement, names};
 use crate::friction_curve::Curve;
@@ -177,8 +177,11 @@ impl Context<'_> {
 
     fn ranges(&self) -> Result<(), InputError> {
         for key in KEYS {
-            if let (Some(range), Some(value)) = (key.range, (key.number)(self.settings)) {
-                range.check(&format!("{}.{}", self.key, key.name), value, self.document)?;
+            let Some(range) = key.range else { continue };
+            let values = (key.numbers)(self.settings);
+            for (index, value) in values.iter().enumerate() {
+                let name = PerNotch::key(key.name, index, values.len());
+                range.check(&format!("{}.{name}", self.key), *value, self.document)?;
             }
         }
         Ok(())

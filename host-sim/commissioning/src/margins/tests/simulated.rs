@@ -7,6 +7,7 @@
 use motion::{PathBlock, PathShape};
 use plant::controller::in_process;
 use shared::axis::Reading;
+use shared::config::Notch;
 use shared::interpolate::{Joint, Ramps};
 use shared::scalar::Format;
 use shared::units::Position;
@@ -85,8 +86,10 @@ fn filters_and_velocity_lag_are_part_of_the_loop() {
     let mut machine = machine("p", "table");
     let without = limit_is_that_of_the_simulation(&machine, "without filters");
     let filters = &mut machine.axis[0].settings.filters;
-    (filters.notch_frequency_hz, filters.notch_width_hz, filters.notch_depth) =
-        (Some(150.0), Some(80.0), Some(0.9));
+    *filters = filters.with_notches(&[
+        Notch { frequency_hz: 150.0, width_hz: 80.0, depth: 0.9 },
+        Notch { frequency_hz: 260.0, width_hz: 50.0, depth: 0.8 },
+    ]);
     (filters.low_pass_frequency_hz, filters.low_pass_damping_ratio) = (Some(400.0), Some(0.7));
     let lag = model::effects::VelocityLag { ms: 0.2 };
     machine.axis[0].effect.push(model::effects::Effect::VelocityLag(lag));

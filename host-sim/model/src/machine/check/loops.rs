@@ -1,10 +1,11 @@
 //! Consistency of the filters and limits of the controller, checked by the code in `shared` that uses them.
 
-use shared::config::{AxisConfig, AxisSettings, ConfigError, Rates};
+use shared::config::{AxisConfig, AxisSettings, ConfigError, NOTCHES, Notches, Rates};
 use shared::interpolate::smooth::{Filter, WINDOW};
 use shared::units::TRAVEL_LIMIT_M;
 
 use super::Context;
+use crate::axis::PerNotch;
 use crate::servo;
 use files::error::InputError;
 
@@ -44,29 +45,54 @@ impl Context<'_> {
     /// The filters of the force.
     pub(super) fn filters(&self, velocity_loop_hz: f64) -> Result<(), InputError> {
         let filters = &self.settings.filters;
-        self.complete(&[
-            ("notch_frequency_hz", filters.notch_frequency_hz),
-            ("notch_width_hz", filters.notch_width_hz),
-            ("notch_depth", filters.notch_depth),
-        ])?;
+        self.notches()?;
         self.complete(&[
             ("low_pass_frequency_hz", filters.low_pass_frequency_hz),
             ("low_pass_damping_ratio", filters.low_pass_damping_ratio),
         ])?;
-        let settings = AxisSettings {
-            notch: servo::notch(filters),
-            low_pass: servo::low_pass(filters),
-            ..AxisSettings::default()
-        };
         let rates = Rates { velocity_loop_hz, position_loop_divider: 1 };
-        match AxisConfig::<f64>::new(&settings, rates) {
+        let check = |settings: AxisSettings, key: &dyn Fn(&str) -> String| match AxisConfig::<f64>::new(
+            &settings, rates,
+        ) {
             Err(ConfigError::OutOfRange { name, min, max })
                 if name.starts_with("notch") || name.starts_with("low_pass") =>
             {
-                Err(self.refuse(name, &format!("a number from {min} to {max}")))
+                Err(self.refuse(&key(name), &format!("a number from {min} to {max}")))
             }
             _ => Ok(()),
+        };
+        let Notches(notches) = servo::notches(filters);
+        let count = notches.iter().flatten().count();
+        for (index, notch) in notches.into_iter().enumerate() {
+            let notches = Notches([notch, None, None, None]);
+            check(AxisSettings { notches, ..AxisSettings::default() }, &|name| {
+                PerNotch::key(name, index, count)
+            })?;
         }
+        let low_pass = servo::low_pass(filters);
+        check(AxisSettings { low_pass, ..AxisSettings::default() }, &str::to_owned)
+    }
+
+    /// The keys of the notches have as many numbers each, one for each notch.
+    fn notches(&self) -> Result<(), InputError> {
+        let filters = &self.settings.filters;
+        let keys = [
+            ("notch_frequency_hz", &filters.notch_frequency_hz),
+            ("notch_width_hz", &filters.notch_width_hz),
+            ("notch_depth", &filters.notch_depth),
+        ];
+        let counts = keys.map(|(key, values)| (key, values.as_ref().map(|values| values.0.len())));
+        self.complete(&counts)?;
+        let (first_key, first) = counts[0];
+        for (key, count) in counts {
+            if count.is_some_and(|count| !(1..=NOTCHES).contains(&count)) {
+                return Err(self.refuse(key, &format!("1 to {NOTCHES} numbers")));
+            }
+            if count != first {
+                return Err(self.refuse(key, &format!("as many numbers as {first_key} has")));
+            }
+        }
+        Ok(())
     }
 
     /// Brake and preload.
@@ -89,7 +115,7 @@ impl Context<'_> {
     }
 
     /// Requires all of these keys or none.
-    fn complete(&self, keys: &[(&str, Option<f64>)]) -> Result<(), InputError> {
+    fn complete<T>(&self, keys: &[(&str, Option<T>)]) -> Result<(), InputError> {
         let given = keys.iter().find(|(_, value)| value.is_some());
         let missing = keys.iter().find(|(_, value)| value.is_none());
         match (given, missing) {

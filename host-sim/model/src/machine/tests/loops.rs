@@ -25,7 +25,7 @@ fn with(loops: &str) -> String {
 
 #[test]
 fn filters_and_limits_are_converted_to_the_units_of_the_controller() {
-    use shared::config::{LowPass, Notch};
+    use shared::config::{LowPass, Notch, Notches};
     use shared::interpolate::Smoothing;
 
     let settings = |text: &str| {
@@ -36,7 +36,8 @@ fn filters_and_limits_are_converted_to_the_units_of_the_controller() {
     };
     let given = settings(&with(LOOPS));
     assert_eq!(given.smoothing, Smoothing::SCurve { time_s: 0.02, jerk_time_s: 0.005 });
-    assert_eq!(given.notch, Some(Notch { frequency_hz: 120.0, width_hz: 30.5, depth: 0.9 }));
+    let notch = Notch { frequency_hz: 120.0, width_hz: 30.5, depth: 0.9 };
+    assert_eq!(given.notches, Notches([Some(notch), None, None, None]));
     assert_eq!(given.low_pass, Some(LowPass { frequency_hz: 800.0, damping_ratio: 0.7 }));
     let close = |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-12, "{found} {wanted}");
     let [least, greatest] = given.travel_m.unwrap();
@@ -54,10 +55,27 @@ fn filters_and_limits_are_converted_to_the_units_of_the_controller() {
     assert_eq!(lag.smoothing, Smoothing::Exponential { time_constant_s: 0.03 });
 
     let (none, default) = (settings(MACHINE), shared::config::AxisSettings::default());
-    assert_eq!((none.smoothing, none.notch, none.low_pass), (Smoothing::None, None, None));
+    assert_eq!((none.smoothing, none.notches, none.low_pass), (Smoothing::None, Notches::NONE, None));
     assert_eq!((none.travel_m, none.fastest_m_per_s), (None, None));
     close(none.stop_deceleration_m_per_s2, default.stop_deceleration_m_per_s2);
     close(none.saturation_time_s, default.saturation_time_s);
+}
+
+/// Each notch has its number of each key; a file is written as it was read.
+#[test]
+fn an_axis_has_several_notches() {
+    use shared::config::{Notch, Notches};
+    let keys = "notch_frequency_hz = [300, 120.5]\nnotch_width_hz = [60, 30]\nnotch_depth = [0.9, 1]\n";
+    let machine = Machine::parse(&with(keys), "m.toml").unwrap();
+    assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
+    let filters = &machine.axis["y"].settings.filters;
+    let expected = [
+        Notch { frequency_hz: 300.0, width_hz: 60.0, depth: 0.9 },
+        Notch { frequency_hz: 120.5, width_hz: 30.0, depth: 1.0 },
+    ];
+    let [first, second] = expected.map(Some);
+    assert_eq!(crate::servo::notches(filters), Notches([first, second, None, None]));
+    assert_eq!(&filters.with_notches(&expected), filters);
 }
 
 /// A brake has both times, or there is none; a preload of zero is not an unknown one.
@@ -132,6 +150,28 @@ const BAD_LOOPS: &[(&str, &str)] = &[
         "notch_frequency_hz = 100\nnotch_width_hz = 401\nnotch_depth = 1",
         "line 7: axis.y.notch_width_hz: expected a number from 0 to 400, found 401",
     ),
+    (
+        "notch_frequency_hz = [100, 2000]\nnotch_width_hz = [10, 20]\nnotch_depth = [1, 0.5]",
+        "line 6: axis.y.notch_frequency_hz[1]: expected a number from 4 to 1800, found 2000",
+    ),
+    (
+        "notch_frequency_hz = [100, 200]\nnotch_width_hz = [10, 20]\nnotch_depth = [1, 1.5]",
+        "line 8: axis.y.notch_depth[1]: expected a number from 0 to 1, found 1.5",
+    ),
+    (
+        "notch_frequency_hz = [100, 200]\nnotch_width_hz = [10, 20]\nnotch_depth = 1",
+        "line 8: axis.y.notch_depth: expected as many numbers as notch_frequency_hz has, found 1",
+    ),
+    (
+        "notch_frequency_hz = [1, 2, 3, 4, 5]\nnotch_width_hz = 10\nnotch_depth = 1",
+        "line 6: axis.y.notch_frequency_hz: expected 1 to 4 numbers, found an array of 5",
+    ),
+    (
+        "notch_frequency_hz = []\nnotch_width_hz = []\nnotch_depth = []",
+        "axis.y.notch_frequency_hz: expected 1 to 4 numbers",
+    ),
+    ("notch_frequency_hz = \"low\"", "axis.y.notch_frequency_hz: expected a number or a list of numbers"),
+    ("notch_frequency_hz = [\"low\"]", "axis.y.notch_frequency_hz"),
     ("notch_depth = 1.1", "axis.y.notch_depth: expected a number from 0 to 1, found 1.1"),
     ("low_pass_frequency_hz = 100", "axis.y.low_pass_damping_ratio: expected a value beside low_pass_freq"),
     (
