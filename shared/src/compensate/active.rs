@@ -31,11 +31,10 @@ impl<S: Scalar> Active<S> {
     pub const NONE: Self =
         Self { bits: 0, half_backlash: S::ZERO, stretch: S::ZERO_GAIN, squareness: S::ZERO_GAIN };
 
-    /// Lists the kinds for which a predicate is true; the factors are zero.
-    pub fn listed(has_model: bool, is_active: impl Fn(CompensationKind) -> bool) -> Self {
-        let kinds = CompensationKind::ALL.into_iter().filter(|kind| is_active(*kind));
+    /// Lists kinds, one bit for each; the factors are zero.
+    pub const fn listed(has_model: bool, kinds: u32) -> Self {
         let model = if has_model { MODEL } else { 0 };
-        Self { bits: kinds.fold(model, |bits, kind| bits | bit(kind)), ..Self::NONE }
+        Self { bits: kinds | model, ..Self::NONE }
     }
 
     /// Whether a kind is computed.

@@ -83,30 +83,31 @@ impl<S: Scalar> AxisCompensation<S> {
         products: Products::NONE,
     };
 
-    /// Whether there is a compensation of a kind.
-    const fn has(&self, kind: CompensationKind) -> bool {
-        match kind {
-            CompensationKind::Pitch => self.pitch.is_some(),
-            CompensationKind::Backlash => self.backlash.is_some(),
-            CompensationKind::Dividing => !self.dividing.is_empty(),
-            CompensationKind::Reversal => self.reversal.is_some(),
-            CompensationKind::Intalk => self.intalk.is_some(),
-            CompensationKind::Crosstalk => self.crosstalk.is_some(),
-            CompensationKind::Squareness => self.squareness.is_some(),
-            CompensationKind::Straightness => self.straightness.is_some(),
-            CompensationKind::Ripple => !self.ripple.is_empty(),
-            CompensationKind::Screw => !self.screw.is_empty(),
-            CompensationKind::Force => self.model.is_some(),
-            CompensationKind::Stretch => self.stretch.is_some(),
-            CompensationKind::Drift => self.drift.is_some(),
-            CompensationKind::Products => !self.products.is_empty(),
-        }
+    /// The kinds that there are, one bit for each.
+    // A table and no match of a kind: its jump table would have a trap, and the tick has none.
+    fn kinds(&self) -> u32 {
+        let present = [
+            (CompensationKind::Pitch, self.pitch.is_some()),
+            (CompensationKind::Backlash, self.backlash.is_some()),
+            (CompensationKind::Dividing, !self.dividing.is_empty()),
+            (CompensationKind::Reversal, self.reversal.is_some()),
+            (CompensationKind::Intalk, self.intalk.is_some()),
+            (CompensationKind::Crosstalk, self.crosstalk.is_some()),
+            (CompensationKind::Squareness, self.squareness.is_some()),
+            (CompensationKind::Straightness, self.straightness.is_some()),
+            (CompensationKind::Ripple, !self.ripple.is_empty()),
+            (CompensationKind::Screw, !self.screw.is_empty()),
+            (CompensationKind::Force, self.model.is_some()),
+            (CompensationKind::Stretch, self.stretch.is_some()),
+            (CompensationKind::Drift, self.drift.is_some()),
+            (CompensationKind::Products, !self.products.is_empty()),
+        ];
+        present.into_iter().fold(0, |bits, (kind, is_present)| bits | u32::from(is_present) << kind as u32)
     }
 
     /// Lists what a tick computes. To be called when a compensation is set or switched.
     pub(super) fn activate(&self, state: &mut State<S>) {
-        let mut active =
-            Active::listed(self.model.is_some(), |kind| self.has(kind) && state.is_switched_on(kind));
+        let mut active = Active::listed(self.model.is_some(), state.switched_on(self.kinds()));
         if let Some(backlash) = self.backlash.as_ref().filter(|_| active.has(CompensationKind::Backlash)) {
             active.half_backlash = backlash.half();
         }
@@ -148,7 +149,7 @@ impl<S: Scalar> AxisCompensation<S> {
         let acceleration_of =
             |axis: u8| motions.get(usize::from(axis)).map_or(S::ZERO, |motion| motion.acceleration);
         self.forces_of_motion(state, own);
-        let mut screw = self.screw_correction(state, own);
+        let mut screw = Self::screw_correction(state, own);
         let round_robin = &state.round_robin;
         let mut sum = own.acceleration * round_robin.intalk
             + acceleration_of(self.crosstalk_source) * round_robin.crosstalk;
@@ -171,7 +172,7 @@ impl<S: Scalar> AxisCompensation<S> {
 
     /// The correction for errors between motor and scale, error units, before bound and rate.
     #[inline]
-    fn screw_correction(&self, state: &State<S>, own: &CommandMotion<S>) -> S {
+    fn screw_correction(state: &State<S>, own: &CommandMotion<S>) -> S {
         let active = &state.active;
         let backlash = if own.forward { active.half_backlash } else { -active.half_backlash };
         let mut screw = state.round_robin.screw_pitch + backlash;

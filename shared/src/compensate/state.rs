@@ -103,8 +103,9 @@ impl<S: Scalar> State<S> {
         self.off = if on { self.off & !bit } else { self.off | bit };
     }
 
-    pub(super) const fn is_switched_on(&self, item: CompensationKind) -> bool {
-        self.off & (1 << item as u16) == 0
+    /// Those of some kinds, one bit for each, that are switched on.
+    pub(super) const fn switched_on(&self, kinds: u32) -> u32 {
+        kinds & !(self.off as u32)
     }
 
     /// The present correction of the command.
