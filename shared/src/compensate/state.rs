@@ -103,7 +103,7 @@ impl<S: Scalar> State<S> {
         self.off = if on { self.off & !bit } else { self.off | bit };
     }
 
-    /// Those of some kinds, one bit for each, that are switched on.
+    /// Which of some kinds are switched on, one bit for each.
     pub(super) const fn switched_on(&self, kinds: u32) -> u32 {
         kinds & !(self.off as u32)
     }
