@@ -75,6 +75,12 @@ impl TableChannel {
     }
 }
 
+/// Number of the first other axis of the machine, for an axis by its number.
+#[must_use]
+pub const fn first_other(axis: usize) -> usize {
+    if axis == 0 { 1 } else { 0 }
+}
+
 impl TableVariable {
     /// Speed below which the direction of motion is zero, m/s.
     pub const MIN_DIRECTION_M_PER_S: f64 = 1e-4;

@@ -213,13 +213,13 @@ pub fn smoothing(filters: &Filters) -> Smoothing {
 /// The notches on the force of which all three numbers are declared.
 #[must_use]
 pub fn notches(filters: &Filters) -> Notches {
-    let values = |key: &Option<PerNotch>| key.clone().map_or(Vec::new(), |values| values.0).into_iter();
-    let [frequencies_hz, widths_hz, depths] =
-        [&filters.notch_frequency_hz, &filters.notch_width_hz, &filters.notch_depth].map(values);
     let mut notches = Notches::NONE;
-    let declared = frequencies_hz.zip(widths_hz).zip(depths);
-    for (notch, ((frequency_hz, width_hz), depth)) in notches.0.iter_mut().zip(declared) {
-        *notch = Some(Notch { frequency_hz, width_hz, depth });
+    let keys = [&filters.notch_frequency_hz, &filters.notch_width_hz, &filters.notch_depth];
+    if let [Some(frequencies_hz), Some(widths_hz), Some(depths)] = keys {
+        let declared = PerNotch::notches([frequencies_hz, widths_hz, depths]);
+        for (notch, declared) in notches.0.iter_mut().zip(declared) {
+            *notch = Some(declared);
+        }
     }
     notches
 }
@@ -228,15 +228,10 @@ impl Filters {
     /// These filters with other notches.
     #[must_use]
     pub fn with_notches(&self, notches: &[Notch]) -> Self {
-        let of = |value: fn(&Notch) -> f64| {
-            (!notches.is_empty()).then(|| PerNotch(notches.iter().map(value).collect()))
-        };
-        Self {
-            notch_frequency_hz: of(|notch| notch.frequency_hz),
-            notch_width_hz: of(|notch| notch.width_hz),
-            notch_depth: of(|notch| notch.depth),
-            ..self.clone()
-        }
+        let numbers = PerNotch::of_notches(notches);
+        let [notch_frequency_hz, notch_width_hz, notch_depth] =
+            numbers.map(|numbers| (!notches.is_empty()).then_some(numbers));
+        Self { notch_frequency_hz, notch_width_hz, notch_depth, ..self.clone() }
     }
 }
 

@@ -20,6 +20,7 @@ use model::bodies::StructureError;
 use model::effects::Channel;
 use model::machine::Machine;
 use model::residual_law::Hysteresis;
+use model::residual_table::first_other;
 
 /// The position that a controller reads. One outside the number format occurs only in an unstable loop; the following error then
 /// ends the run.
@@ -217,7 +218,7 @@ impl MachineSim {
                     acceleration: acceleration[i],
                     force_n,
                     time_s,
-                    other: others.get(usize::from(i == 0)).copied().unwrap_or_default(),
+                    other: others.get(first_other(i)).copied().unwrap_or_default(),
                 };
                 residuals.displacement(&input, &mut axis.hystereses)
             };

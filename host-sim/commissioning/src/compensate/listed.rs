@@ -7,6 +7,7 @@ use crate::compensate::law_parts::law_terms;
 use crate::compensate::planning::Planning;
 use model::axis::Drive;
 use model::effects::EffectCompensation;
+use model::residual_table::first_other;
 
 /// Why a part has no setting, and what to do instead.
 const NO_SETTING: (&str, &str) = (
@@ -74,7 +75,7 @@ impl Planning<'_> {
                 (self.model.axis[index].effect[effect].name().to_owned(), axis(index))
             }
             Part::LawTerm(index, law, term) => {
-                let other = axis(usize::from(index == 0));
+                let other = axis(first_other(index));
                 let term = &self.model.axis[index].residual_law[law].term[term];
                 (format!("law: {}", term.form(&axis(index), &other)), axis(index))
             }
@@ -147,7 +148,7 @@ impl Planning<'_> {
             instead: "find its cause; a table of the error over the position can be entered as a pitch_map".to_owned(),
         }));
         list.extend(self.model.axis.values().enumerate().flat_map(|(index, axis)| {
-            law_terms(axis, index).filter_map(|(part, refused)| {
+            law_terms(axis, index).filter_map(|(part, _, refused)| {
                 let ((effect, axis), (why, instead)) = (self.names(&part), refused?);
                 Some(NotCompensated { effect, axis, why: why.to_owned(), instead: instead.to_owned() })
             })

@@ -209,8 +209,9 @@ impl Planning<'_> {
             let is_compensated = |(_, effect): &(usize, &Effect)| effect.compensation().is_compensated();
             let effects = axis.effect.iter().enumerate().filter(is_compensated);
             parts.extend(effects.map(|(effect, _)| Part::Effect(index, effect)));
-            let is_executed = |(_, refused): &(Part, Option<_>)| refused.is_none();
-            parts.extend(law_terms(axis, index).filter(is_executed).map(|(part, _)| part));
+            parts.extend(
+                law_terms(axis, index).filter(|(.., refused)| refused.is_none()).map(|(part, ..)| part),
+            );
             let has_mass = axis.settings.has_mass();
             match axis.settings.controller.drive {
                 Drive::Torque if has_mass => {

@@ -197,19 +197,14 @@ impl NotchKeys {
     /// The notches.
     #[must_use]
     pub fn notches(&self) -> Vec<Notch> {
-        let numbers = self.notch_frequency_hz.0.iter().zip(&self.notch_width_hz.0).zip(&self.notch_depth.0);
-        numbers.map(|((&frequency_hz, &width_hz), &depth)| Notch { frequency_hz, width_hz, depth }).collect()
+        PerNotch::notches([&self.notch_frequency_hz, &self.notch_width_hz, &self.notch_depth]).collect()
     }
 }
 
 impl From<&[Notch]> for NotchKeys {
     fn from(notches: &[Notch]) -> Self {
-        let of = |value: fn(&Notch) -> f64| PerNotch(notches.iter().map(value).collect());
-        Self {
-            notch_frequency_hz: of(|notch| notch.frequency_hz),
-            notch_width_hz: of(|notch| notch.width_hz),
-            notch_depth: of(|notch| notch.depth),
-        }
+        let [notch_frequency_hz, notch_width_hz, notch_depth] = PerNotch::of_notches(notches);
+        Self { notch_frequency_hz, notch_width_hz, notch_depth }
     }
 }
 

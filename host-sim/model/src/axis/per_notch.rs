@@ -4,12 +4,26 @@ use std::fmt;
 
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use shared::config::Notch;
 
 /// A number for each notch of an axis, in the order in which they act. In a file a number, or a list of numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PerNotch(pub Vec<f64>);
 
 impl PerNotch {
+    /// Frequencies (Hz), widths (Hz) and depths of notches.
+    #[must_use]
+    pub fn of_notches(notches: &[Notch]) -> [Self; 3] {
+        let of = |value: fn(&Notch) -> f64| Self(notches.iter().map(value).collect());
+        [of(|notch| notch.frequency_hz), of(|notch| notch.width_hz), of(|notch| notch.depth)]
+    }
+
+    /// The notches of [`Self::of_notches`]; the shortest of the three lists determines their number.
+    pub fn notches([frequencies_hz, widths_hz, depths]: [&Self; 3]) -> impl Iterator<Item = Notch> {
+        let numbers = frequencies_hz.0.iter().zip(&widths_hz.0).zip(&depths.0);
+        numbers.map(|((&frequency_hz, &width_hz), &depth)| Notch { frequency_hz, width_hz, depth })
+    }
+
     /// The key of one of the numbers, of a key whose value has this many.
     #[must_use]
     pub fn key(key: &str, index: usize, count: usize) -> String {

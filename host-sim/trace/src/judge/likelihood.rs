@@ -25,8 +25,8 @@ pub fn refuting_loss(data: &FitData<'_>, residuals: [&[ResidualSeries]; 2]) -> O
     (worst < -data.options.search.max_stage_loss).then_some(worst)
 }
 
-/// The loss of all stages together, if it refutes the effect. A single stage may lose more than it may beside all other effects: those that
-/// are added later may describe what the effect reveals there.
+/// The loss of all stages together, if it refutes the effect. The limit for a single stage is not applied: what an effect reveals in one
+/// stage may be described by an effect that is added later.
 #[must_use]
 pub fn refuting_loss_over_all(data: &FitData<'_>, residuals: [&[ResidualSeries]; 2]) -> Option<f64> {
     loss_over_all(&cells(data, residuals), data.options)
