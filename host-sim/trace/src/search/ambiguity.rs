@@ -7,6 +7,7 @@ use super::candidates::Candidate;
 use super::held_out::{Comparison, compare, scores};
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
+use crate::fit::least_squares::{self, Fitted};
 use crate::fit::scope::Scope;
 use crate::options::SearchOptions;
 use model::effects::Effect;
@@ -46,6 +47,33 @@ pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope:
         })
     };
     candidates.iter().filter(is_rival).filter_map(ambiguity).collect()
+}
+
+/// The effects that were dropped although they explain the logs as well as the one that was added after them: the drop does not decide between the
+/// two.
+#[must_use]
+pub fn dropped_rivals(
+    data: &FitData<'_>,
+    (base, added): (&Fitted, &Fitted),
+    dropped: &[Effect],
+    scope: &Scope,
+) -> Vec<Ambiguity> {
+    let options = &data.options.search;
+    let Some(effect) = added.model.found().last() else { return Vec::new() };
+    let rival = |dropped: &Effect| {
+        let fitted =
+            least_squares::fit(data, &base.model.with(dropped.clone()), scope, least_squares::STEPS);
+        let rival = fitted.model.found().last()?.clone();
+        let stages = compare(&scores(&fitted), &scores(added), &scope.stages, options);
+        let is_rival = rival.exceeds_tolerance(&fitted.model.nominal().settings, data.rates)
+            && stages.iter().all(|stage| is_as_good(stage, options));
+        is_rival.then(|| Ambiguity { added: effect.clone(), rival, with_rival: fitted.model })
+    };
+    let may_be = |dropped: &&Effect| {
+        let is_searched = scope.holds(dropped) && !dropped.is_same(effect);
+        is_searched && !base.model.axis.effect.iter().any(|other| other.is_same(dropped))
+    };
+    dropped.iter().filter(may_be).filter_map(rival).collect()
 }
 
 /// Whether what an effect gains over a rival in a stage is chance, or less than the minimum reduction of an effect.

@@ -2,7 +2,7 @@
 //! other, and dropped again if later ones make them unnecessary.
 
 use super::alternatives::with_better_alternatives;
-use super::ambiguity::{is_other_form, prefer_fewer_parameters, rivals};
+use super::ambiguity::{dropped_rivals, is_other_form, prefer_fewer_parameters, rivals};
 use super::candidates::{Candidate, Reference, rank};
 use super::companion::{is_companion, is_remainder};
 use super::held_out::{compare, scores};
@@ -213,7 +213,10 @@ impl EffectSearch<'_> {
         prefer_fewer_parameters(&mut candidates, scope, &data.options.search);
         let best = self.best(data, reference.base, &mut candidates, scope);
         let added = best.as_ref().map(|(index, _)| *index);
-        let ambiguities = added.map_or_else(Vec::new, |added| rivals(data, &candidates, added, scope));
+        let mut ambiguities = added.map_or_else(Vec::new, |added| rivals(data, &candidates, added, scope));
+        if let Some((_, fitted)) = &best {
+            ambiguities.extend(dropped_rivals(data, (reference.base, fitted), &self.dropped, scope));
+        }
         if let Some(added) = added {
             (self.progress)(&format!("{name}: added {}", candidates[added].effect.name()));
         }

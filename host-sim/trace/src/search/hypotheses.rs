@@ -3,7 +3,7 @@
 use super::assumption::{self, Searched};
 use super::effect_search::EffectSearch;
 use super::round::Round;
-use super::scale_waves::with_waves_of_scale;
+use super::scale_waves::{taken_back, with_waves_of_scale};
 use crate::fit::axis_data::AxisData;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::baseline::Baseline;
@@ -80,9 +80,7 @@ impl Steps<'_> {
         let mut fits = Vec::new();
         for scope in self.scopes {
             let fit = match self.job.request.task {
-                Task::Search if scope.stages == [Stage::Tool] => {
-                    search.search(&with_waves_of_scale(self.data, model, scope), scope)
-                }
+                Task::Search if scope.stages == [Stage::Tool] => self.search_tool(&mut search, &model, scope),
                 Task::Search => search.search(&model, scope),
                 Task::Evaluate => {
                     let (fitted, _) = first_fit(self.data, &model, scope);
@@ -96,6 +94,18 @@ impl Steps<'_> {
         fit_jointly(self.data, &mut model, &mut fits, self.scopes, progress);
         search.rounds.iter_mut().for_each(Round::forget_data);
         Searched { model, fits, rounds: search.rounds }
+    }
+
+    /// Searches for effects of the tool, beside which waves are the scale's or not.
+    fn search_tool(&self, search: &mut EffectSearch<'_>, model: &AxisModel, scope: &Scope) -> ScopeFit {
+        let first_round = search.rounds.len();
+        let exchanged = with_waves_of_scale(self.data, model.clone(), scope);
+        let fit = search.search(&exchanged, scope);
+        let Some(start) = taken_back(self.data, [model, &exchanged, &fit.fitted.model], scope) else {
+            return fit;
+        };
+        search.rounds.truncate(first_round);
+        search.search(&start, scope)
     }
 
     /// Fits the declared model with the same exclusions and the same error subtracted as the model with effects; without any effect,

@@ -60,6 +60,30 @@ pub fn share_of_scale(
     Sums::of(data, model, &with_exchanged(model, found, of_scale), tool).share()
 }
 
+/// The model before the search of the tool's effects, with those waves as the scale's that the tool still shows once its other effects are
+/// known; `None` if it shows all. A mode of the tool may resemble a wave until it is found.
+#[must_use]
+pub fn taken_back(
+    data: &FitData<'_>,
+    [before, exchanged, found]: [&AxisModel; 3],
+    tool: &Scope,
+) -> Option<AxisModel> {
+    let mut start = exchanged.clone();
+    let mut is_taken_back = false;
+    for (index, (first, of_scale)) in before.found().iter().zip(exchanged.found()).enumerate() {
+        let Some(place) = found.found().iter().position(|effect| effect.is_same(of_scale)) else { continue };
+        if first.is_same(of_scale) {
+            continue;
+        }
+        let without = with_exchanged(found, place, first.clone());
+        if Sums::of(data, &without, found, tool).share() < 0.5 {
+            start = with_exchanged(&start, index, first.clone());
+            is_taken_back = true;
+        }
+    }
+    is_taken_back.then_some(start)
+}
+
 /// The model in which waves are the scale's where that removes a part of the tool's residual, before other effects of the tool are
 /// known.
 #[must_use]
