@@ -39,6 +39,12 @@ impl PositionCurve {
         self.positions.is_empty()
     }
 
+    /// The positions of the first and the last knot; `None` if there is none.
+    #[must_use]
+    pub fn range(&self) -> Option<[f64; 2]> {
+        Some([*self.positions.first()?, *self.positions.last()?])
+    }
+
     /// The value at a position.
     #[must_use]
     #[inline]

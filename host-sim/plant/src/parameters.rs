@@ -8,6 +8,7 @@ use model::effects::{
     Straightness, ThermalDrift, ThermalRate, TorqueRipple,
 };
 use model::machine::{Axis, Machine};
+use model::position_curve::PositionCurve;
 
 use super::friction::{self, Friction};
 use super::friction_direction::{self, DRIVE_SLIP_M};
@@ -115,6 +116,8 @@ pub struct ToolParameters {
     pub squareness: Squareness,
     /// Offset per squared position of another axis.
     pub straightness: Vec<Straightness>,
+    /// Offset over the position of another axis, by its name: m over m.
+    pub straightness_maps: Vec<(String, PositionCurve)>,
     /// Offsets over the time of the session that approach an end.
     pub drifts: Vec<ThermalDrift>,
     /// Offset in proportion to the time of the session.
@@ -274,6 +277,7 @@ impl AxisParameters {
             Effect::Crosstalk(e) => self.tool.crosstalk.push(e),
             Effect::Squareness(e) => self.tool.squareness.um_per_m += e.um_per_m,
             Effect::Straightness(e) => self.tool.straightness.push(e),
+            Effect::StraightnessMap(e) => self.tool.straightness_maps.push((e.source.clone(), e.curve())),
             Effect::ThermalDrift(e) => self.tool.drifts.push(e),
             Effect::ThermalRate(e) => self.tool.rate.um_per_min += e.um_per_min,
             Effect::ProbeRotation(e) => self.tool.probe.rotation.um_per_m += e.um_per_m,

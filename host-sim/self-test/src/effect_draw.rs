@@ -94,12 +94,14 @@ fn add_effects(truths: &mut Vec<Truth>, count: usize, machine: &mut Drawn, rando
 /// Pairs that are not drawn on one axis. A load greater than the friction keeps the screw on one side of its gap. The
 /// others have the same consequence: a pitch shape has a slope, a second harmonic of the screw the period of a resolver
 /// with two pole pairs, and the loop multiplies Kp by Kv and by feed-forward.
-const EXCLUSIONS: [[&str; 2]; 25] = [
+const EXCLUSIONS: [[&str; 2]; 27] = [
     ["backlash", "constant_load"],
     ["backlash", "cable_drag"],
     ["backlash", "backlash_varies"],
     ["constant_load", "backlash_varies"],
     ["pitch_progressive", "pitch_shape"],
+    ["squareness", "guide_shape"],
+    ["straightness", "guide_shape"],
     ["resolver_dividing", "screw_second_harmonic"],
     ["servo_mismatch", "feedforward_mismatch"],
     ["servo_mismatch", "velocity_gain_mismatch"],

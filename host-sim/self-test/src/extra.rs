@@ -27,6 +27,11 @@ const BELT_MM: f64 = 37.0;
 pub fn draw(kind: Kind, machine: &mut Drawn, random: &mut ChaCha8Rng) -> Vec<Truth> {
     let index = random.random_range(0..AXES.len());
     let lead_mm = machine.declared[index].lead_mm;
+    if kind == Kind::Guide {
+        let (waves, extent_um) = guide_shape(random);
+        machine.axes[index].guide_waves = waves;
+        return vec![extra("guide_shape", index, vec![("peak_to_peak_um", extent_um)])];
+    }
     let mechanics = &mut machine.axes[index].mechanics;
     let (name, parameters) = match kind {
         Kind::Coarse => return slow_drives(machine),
@@ -55,21 +60,38 @@ fn slow_drives(machine: &mut Drawn) -> Vec<Truth> {
 /// Three long waves of incommensurate periods and a slope, scaled to a drawn extent.
 fn pitch_shape(mechanics: &mut Mechanics, random: &mut ChaCha8Rng) -> Vec<(&'static str, f64)> {
     let mut between = |low: f64, high: f64| random.random_range(low..high);
-    let waves = [(45.0, 75.0), (80.0, 130.0), (140.0, 230.0)].map(|(shortest, longest)| {
-        // Longer waves are higher, as the error of a ground screw has less of the short ones.
-        let period_mm = between(shortest, longest);
-        sinusoid_um(between(0.5, 1.5) * period_mm, period_mm, between(0.0, TAU))
-    });
+    let waves =
+        [(45.0, 75.0), (80.0, 130.0), (140.0, 230.0)].map(|periods_mm| long_wave(periods_mm, &mut between));
     let slope = 1e-6 * between(-600.0, 600.0);
-    let shape = |x_m: f64| slope * x_m + waves.iter().map(|wave| wave.at(x_m)).sum::<f64>();
-    let values = (-100..=100).map(|step| shape(1e-3 * HALF_TRAVEL_MM * 0.01 * f64::from(step)));
-    let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), v| (v.min(low), v.max(high)));
+    let height = height(|x_m| slope * x_m + waves.iter().map(|wave| wave.at(x_m)).sum::<f64>());
     let extent_um = between(5.0, 16.0);
-    let factor = 1e-6 * extent_um / (high - low);
+    let factor = 1e-6 * extent_um / height;
     mechanics.pitch_slope = factor * slope;
     mechanics.screw_waves =
         waves.map(|wave| Sinusoid { amplitude: factor * wave.amplitude, ..wave }).to_vec();
     vec![("peak_to_peak_um", extent_um)]
+}
+
+/// Two long waves of a guide, which is bent as it is screwed down, scaled to a drawn extent, µm peak to peak.
+fn guide_shape(random: &mut ChaCha8Rng) -> (Vec<Sinusoid>, f64) {
+    let mut between = |low: f64, high: f64| random.random_range(low..high);
+    let waves = [(60.0, 110.0), (120.0, 240.0)].map(|periods_mm| long_wave(periods_mm, &mut between));
+    let height = height(|y_m| waves.iter().map(|wave| wave.at(y_m)).sum::<f64>());
+    let extent_um = between(3.0, 14.0);
+    let scaled =
+        |wave: Sinusoid| Sinusoid { amplitude: 1e-6 * extent_um / height * wave.amplitude, ..wave };
+    (waves.map(scaled).to_vec(), extent_um)
+}
+
+/// A wave with a period of a range. Longer waves are higher, as a ground surface has less of the short ones.
+fn long_wave((shortest_mm, longest_mm): (f64, f64), between: &mut impl FnMut(f64, f64) -> f64) -> Sinusoid {
+    let period_mm = between(shortest_mm, longest_mm);
+    sinusoid_um(between(0.5, 1.5) * period_mm, period_mm, between(0.0, TAU))
+}
+
+/// Peak-to-peak height of a shape over the travel.
+fn height(shape: impl Fn(f64) -> f64) -> f64 {
+    numerics::peak_to_peak((-100..=100).map(|step| shape(1e-3 * HALF_TRAVEL_MM * 0.01 * f64::from(step))))
 }
 
 /// A friction that the declared Coulomb and viscous friction do not contain.

@@ -35,11 +35,13 @@ pub enum Kind {
     Sensors,
     /// A machine file or logs that lack something: see [`super::gap`].
     Sparse,
+    /// A guide that is not straight.
+    Guide,
 }
 
 impl Kind {
     /// All kinds; the position of a kind determines its random numbers.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Textbook,
         Self::Coarse,
         Self::Many,
@@ -53,6 +55,7 @@ impl Kind {
         Self::Controller,
         Self::Sensors,
         Self::Sparse,
+        Self::Guide,
     ];
 
     /// Its name on the command line and in results.
@@ -72,6 +75,7 @@ impl Kind {
             Self::Controller => "controller",
             Self::Sensors => "sensors",
             Self::Sparse => "sparse",
+            Self::Guide => "guide",
         }
     }
 
@@ -116,7 +120,10 @@ impl Kind {
     /// Whether its cases may have no effect of the catalogue beside what makes the kind, so that a false name is seen
     /// that stands for it alone.
     pub(super) fn may_stand_alone(self) -> bool {
-        matches!(self, Self::Shape | Self::Friction | Self::Foreign | Self::Slip | Self::Controller)
+        matches!(
+            self,
+            Self::Shape | Self::Friction | Self::Foreign | Self::Slip | Self::Controller | Self::Guide
+        )
     }
 }
 

@@ -7,6 +7,7 @@ use shared::compensate::settings::{POINTS, Pitch, PitchSource, Points, Straightn
 
 use crate::compensate::cycles::{self, Wave};
 use model::effects::{Mode, PeriodicError};
+use model::position_curve::PositionCurve;
 use plant::parameters::{AxisParameters, ToolParameters};
 use plant::screw::Screw;
 
@@ -37,10 +38,7 @@ pub fn of_axis(
     let um_s2_per_m = |coefficient: f64| Talk::Constant(1e-6 * coefficient);
     let crosstalk =
         tool.crosstalk.first().and_then(|talk| Some((source(&talk.source)?, um_s2_per_m(talk.um_s2_per_m))));
-    let straightness = tool
-        .straightness
-        .first()
-        .and_then(|bow| Some((source(&bow.source)?, Straightness::Quadratic(1e-6 * bow.um_per_m2))));
+    let straightness = straightness(tool, names);
     // A tool that oscillates also lags behind the table by its acceleration over ω².
     let intalk_um_s2_per_m = tool.intalk.um_s2_per_m - tool.modes().map(lag_um_s2_per_m).sum::<f64>();
     let settings = CompensationSettings {
@@ -58,6 +56,23 @@ pub fn of_axis(
         ..CompensationSettings::default()
     };
     (settings, screw_left + dividing_left)
+}
+
+/// The displacement over the position of one other axis, that of the first map, or of the first bow where there is no map: a table over the
+/// knots of the maps. Beyond these, the displacement is not known, and the table keeps its end.
+fn straightness(tool: &ToolParameters, names: &[String]) -> Option<(u8, Straightness)> {
+    let source = tool.straightness_maps.first().map(|(source, _)| source);
+    let source = source.or_else(|| tool.straightness.first().map(|bow| &bow.source))?;
+    let index = names.iter().position(|name| name == source).and_then(|i| u8::try_from(i).ok())?;
+    let bows = || tool.straightness.iter().filter(|bow| bow.source == *source);
+    let maps = || tool.straightness_maps.iter().filter(|(of, _)| of == source).map(|(_, curve)| curve);
+    let Some(travel_m) = maps().filter_map(PositionCurve::range).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+    else {
+        return Some((index, Straightness::Quadratic(1e-6 * bows().map(|bow| bow.um_per_m2).sum::<f64>())));
+    };
+    let of_bows = |y: f64| bows().map(|bow| bow.offset_m(y)).sum::<f64>();
+    let of_maps = |y: f64| maps().map(|curve| curve.value(y)).sum::<f64>();
+    Some((index, Straightness::Over(points(travel_m, |y| of_bows(y) + of_maps(y)))))
 }
 
 /// Lag of the tool behind the table in a mode far below its frequency, µm per m/s².
@@ -101,7 +116,7 @@ fn pitch(screw: &Screw, travel_m: [f64; 2]) -> Option<Pitch> {
 mod tests {
     use super::*;
     use model::effects::{Backlash, PitchProgressive};
-    use model::position_curve::PositionCurve;
+    use model::effects;
 
     /// A slope of 20 µm/m over ±0.1 m: ±2 µm at the ends. With a gap from 4 µm to 8 µm: less half of it in + direction.
     #[test]
@@ -124,5 +139,27 @@ mod tests {
         assert!(settings.backlash_width_m.is_none());
         assert!((pitch.forward.values[63] - (2e-6 - 4e-6)).abs() < 1e-15);
         assert!((pitch.backward.unwrap().values[63] - (2e-6 + 4e-6)).abs() < 1e-15);
+    }
+
+    /// A map of 4 µm per 0.1 m over ±0.1 m of y, and a bow of 300 µm/m² of the same guide, 3 µm at ± 0.1 m: −4 + 3 and 4 + 3 µm at the ends. The
+    /// bow alone is a coefficient.
+    #[test]
+    fn bow_and_map_of_a_guide_are_one_table() {
+        let mut parameters = AxisParameters::default();
+        parameters.tool.straightness =
+            vec![effects::Straightness { um_per_m2: 300.0, source: "y".to_owned() }];
+        let names = ["x".to_owned(), "y".to_owned()];
+        let of = |parameters: &AxisParameters| {
+            of_axis(parameters, &names, [-0.05, 0.05], 0.0).0.straightness.unwrap()
+        };
+        assert!(
+            matches!(of(&parameters), (1, Straightness::Quadratic(bow)) if (bow - 300e-6).abs() < 1e-15)
+        );
+        let curve = PositionCurve::over_mm(&[-100.0, 0.0, 100.0], &[-4.0, 0.0, 4.0], 1e-6);
+        parameters.tool.straightness_maps = vec![("y".to_owned(), curve)];
+        let (source, Straightness::Over(table)) = of(&parameters) else { panic!("no table") };
+        assert_eq!((source, table.start_m), (1, -0.1));
+        let ends = [table.values[0], table.values[POINTS - 1]];
+        assert!((ends[0] + 1e-6).abs() < 1e-15 && (ends[1] - 7e-6).abs() < 1e-15, "{ends:?}");
     }
 }

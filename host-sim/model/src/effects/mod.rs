@@ -55,6 +55,7 @@ mod shear_thinning;
 mod slopes;
 mod squareness;
 mod straightness;
+mod straightness_map;
 mod stribeck;
 mod thermal_drift;
 mod thermal_growth;
@@ -77,7 +78,7 @@ use declaration::{AnyEffect, EntryValue, catalogue};
 pub use declaration::{
     Abscissa, Channel, Coordinate, Distinction, Draw, EffectCompensation, EffectContext, EffectModel, Found,
     Imitation, ImitationContext, LEAST_SLOPE_UM_PER_M, LoggedChannels, Misplaced, Mode, Neighbours,
-    Occurrence, Parameter, PeriodicError, Placement, Prerequisite, ResidualShape, ResidualWave, SlopeOf,
+    Occurrence, Parameter, PeriodicError, Placement, Prerequisite, ResidualOverOther, ResidualShape, ResidualWave, SlopeOf,
     Stage, Substitute, Timing, Unit, WaveOf, Wording, harmonic,
 };
 
@@ -123,6 +124,7 @@ pub use servo_mismatch::ServoMismatch;
 pub use shear_thinning::ShearThinning;
 pub use squareness::Squareness;
 pub use straightness::Straightness;
+pub use straightness_map::{SlopeOfMap, StraightnessMap};
 pub use stribeck::Stribeck;
 pub use thermal_drift::ThermalDrift;
 pub use thermal_growth::{GrowingPart, ThermalGrowth};
@@ -180,6 +182,7 @@ catalogue! {
     Crosstalk,
     Squareness,
     Straightness,
+    StraightnessMap,
     ProbeRotation,
     ProbeGain,
     ThermalDrift,
@@ -204,6 +207,7 @@ mod tests {
             pitch_knots: Some(6),
             pitch_knots_each_way: Some(4),
             friction_knots: Some(5),
+            tool_over_others: vec![over_other()],
             waves: Vec::new(),
         };
         let with_all_stages = EffectContext {
@@ -240,6 +244,10 @@ mod tests {
             .collect::<Vec<_>>();
         all.extend(added);
         all
+    }
+
+    fn over_other() -> ResidualOverOther {
+        ResidualOverOther { source: "y".to_owned(), travel_mm: [0.0, 100.0], knots: 4 }
     }
 
     /// Errors of the scale are searched as those of the screw, and exchanged for them where the probe shows them.

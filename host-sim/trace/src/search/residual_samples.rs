@@ -40,6 +40,37 @@ pub fn samples(data: &FitData<'_>, residuals: &[ResidualSeries], stage: Stage) -
     samples
 }
 
+/// The samples of the tool stage that count, over the position of another axis and its direction; without the dependence on what
+/// [`samples`] are without, and on velocity and acceleration of the other axis.
+#[must_use]
+pub fn samples_over_other(data: &FitData<'_>, residuals: &[ResidualSeries], other: usize) -> Vec<Sample> {
+    let mut rows = Vec::new();
+    let mut samples = Vec::new();
+    for series in residuals.iter().filter(|series| series.stage == Stage::Tool) {
+        let log = &data.logs[series.log];
+        let both = [data.axis, other].map(|axis| log.axes[axis].table_or_motor());
+        let [Some(own), Some(source)] = both else { continue };
+        let counts = data.counting(Stage::Tool, series.log);
+        let fold_of = |i: usize| i * BLOCKS / series.values.len() % FOLDS;
+        for i in (0..series.values.len()).filter(|&i| counts(i)) {
+            let (position_mm, velocity) = (1e3 * source.value[i], source.velocity[i]);
+            rows.push([
+                1.0,
+                position_mm,
+                velocity,
+                source.acceleration[i],
+                1e3 * own.value[i],
+                own.velocity[i],
+                own.acceleration[i],
+            ]);
+            let direction = 1.0f64.copysign(velocity);
+            samples.push(Sample { position_mm, direction, residual: series.values[i], fold: fold_of(i) });
+        }
+    }
+    remove(&rows, &mut samples);
+    samples
+}
+
 /// Subtracts the best linear combination of some columns from the residuals.
 fn remove<const N: usize>(rows: &[[f64; N]], samples: &mut [Sample]) {
     let (mut curvature, mut gradient) = (DMatrix::zeros(N, N), DVector::zeros(N));

@@ -4,11 +4,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::position_spectrum::waves;
-use super::residual_samples::{Sample, samples, solve};
+use super::residual_samples::{Sample, samples, samples_over_other, solve};
 use crate::fit::fit_data::{FitData, ResidualSeries};
 use crate::fit::normal_equations::FOLDS;
-use crate::fit::scope::Scope;
-use model::effects::{ResidualShape, Stage, WaveOf};
+use crate::fit::scope::{Scope, ShownIn};
+use model::effects::{ResidualOverOther, ResidualShape, Stage, WaveOf};
 use model::position_curve::PositionCurve;
 
 /// Numbers of knots that are tried.
@@ -55,8 +55,29 @@ pub fn shape(
         pitch_knots: pitch.map(|fit| fit.count),
         pitch_knots_each_way: each_way.map(|fit| fit.count),
         friction_knots: curves.best(&friction, false, None).map(|fit| fit.count),
+        tool_over_others: over_others(data, residuals, scope, min_share),
         waves: all.into_iter().flat_map(|(of, samples)| waves(of, samples, travel_mm, min_share)).collect(),
     }
+}
+
+/// How the tool residual depends on the positions of the other axes.
+fn over_others(
+    data: &FitData<'_>,
+    residuals: &[ResidualSeries],
+    scope: &Scope,
+    min_share: f64,
+) -> Vec<ResidualOverOther> {
+    if scope.stages != [Stage::Tool] || scope.shown_in != ShownIn::default() {
+        return Vec::new();
+    }
+    let over = |other: usize| {
+        let travel_mm = FitData { axis: other, ..*data }.travel_mm();
+        let samples = samples_over_other(data, residuals, other);
+        let curves = Curves { counts: &KNOTS, travel_mm, min_share };
+        let knots = curves.best(&samples, false, None)?.count;
+        Some(ResidualOverOther { source: data.names[other].clone(), travel_mm, knots })
+    };
+    (0..data.names.len()).filter(|&other| other != data.axis).filter_map(over).collect()
 }
 
 /// Mean residual over an interval of the position, in one direction and one fold.

@@ -44,7 +44,7 @@ pub use knots::KeptPart;
 pub use mode::Mode;
 pub use parameter::Parameter;
 pub(super) use relative_deviation::relative_deviation;
-pub use residual_shape::{ResidualShape, ResidualWave, WaveOf};
+pub use residual_shape::{ResidualOverOther, ResidualShape, ResidualWave, WaveOf};
 pub(super) use slope::slope;
 pub use slope::{LEAST_SLOPE_UM_PER_M, SlopeOf};
 pub use stage::{Channel, Stage};

@@ -10,8 +10,21 @@ pub struct ResidualShape {
     pub pitch_knots_each_way: Option<u32>,
     /// Number of knots that describe the force residual against the motion best.
     pub friction_knots: Option<u32>,
+    /// Of each other axis over which the tool residual depends more than on a line, how.
+    pub tool_over_others: Vec<ResidualOverOther>,
     /// Periodic parts.
     pub waves: Vec<ResidualWave>,
+}
+
+/// How the tool residual of an axis depends on the position of another one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResidualOverOther {
+    /// Name of the other axis.
+    pub source: String,
+    /// Its lowest and highest position, mm.
+    pub travel_mm: [f64; 2],
+    /// Number of knots over this travel that describe the residual best.
+    pub knots: u32,
 }
 
 /// A periodic part amplitude·sin(2π·x/period + phase) of a residual over the motor position x.

@@ -127,6 +127,11 @@ fn every_written_effect_is_read_as_the_same_effect() {
             pitch_knots: Some(6),
             pitch_knots_each_way: Some(4),
             friction_knots: Some(5),
+            tool_over_others: vec![crate::effects::ResidualOverOther {
+                source: "x".to_owned(),
+                travel_mm: [0.0, 100.0],
+                knots: 4,
+            }],
             waves: Vec::new(),
         },
     };
