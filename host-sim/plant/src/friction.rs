@@ -3,8 +3,8 @@
 
 use super::presliding::Bristles;
 use model::effects::{
-    FrictionAsymmetry, FrictionMemory, FrictionRipple, FrictionWarmUp, PreloadVariation, QuadraticDrag,
-    ShearThinning, Stribeck,
+    FrictionAsymmetry, FrictionMemory, FrictionRipple, FrictionWarmUp, PreloadVariation, Presliding,
+    QuadraticDrag, ShearThinning, Stribeck,
 };
 use model::friction_curve::Curve;
 use model::position_curve::PositionCurve;
@@ -65,6 +65,12 @@ pub struct Friction {
 }
 
 impl Friction {
+    /// Makes the presliding that of an effect.
+    pub fn set_bristles(&mut self, presliding: &Presliding) {
+        self.bristle_stiffness_n_per_m = 1e6 * presliding.stiffness_n_per_um;
+        self.bristle_damping_n_s_per_m = presliding.damping_n_s_per_m;
+    }
+
     /// The part of the sliding level that depends on the velocity (m/s) alone, N.
     #[must_use]
     #[inline]

@@ -251,10 +251,7 @@ impl AxisParameters {
             Effect::FrictionMap(e) => self.friction.map = e.curve(),
             Effect::FrictionWarmUp(e) => self.friction.warm_up = e,
             Effect::QuadraticDrag(e) => self.friction.drag = e,
-            Effect::Presliding(e) => {
-                self.friction.bristle_stiffness_n_per_m = 1e6 * e.stiffness_n_per_um;
-                self.friction.bristle_damping_n_s_per_m = e.damping_n_s_per_m;
-            }
+            Effect::Presliding(e) => self.friction.set_bristles(&e),
             Effect::TorqueRipple(e) => self.ripple.push(e),
             Effect::DriveAsymmetry(e) => self.drive_asymmetry = e,
             Effect::ConstantLoad(e) => self.load.constant.force_n += e.force_n,

@@ -62,7 +62,7 @@ impl Case {
     /// As [`Self::draw`].
     pub fn draw_kind(kind: Kind, seed: u64, number: u64) -> Result<Self, InputError> {
         let Session { drawn, motions, truths, mut extras } = Session::draw(kind, seed, number);
-        let stream = |purpose| stream(kind.index(), seed, number, purpose);
+        let stream = |purpose| stream(block::of(kind), seed, number, purpose);
         let mut logs = run_session(&drawn, &motions, |log| stream(Purpose::Log(log)));
         if kind == Kind::Sparse {
             gap::thin(gap::of_case(number), &mut logs);
@@ -148,7 +148,7 @@ pub(super) struct Session {
 
 impl Session {
     pub(super) fn draw(kind: Kind, seed: u64, number: u64) -> Self {
-        let mut random = stream(kind.index(), seed, number, Purpose::Machine);
+        let mut random = stream(block::of(kind), seed, number, Purpose::Machine);
         let deviations = match kind {
             Kind::Offspec => draw::BEYOND_TOLERANCE,
             Kind::Sensors if chain::is_declared_truly(chain::of_case(number)) => draw::TRUE,
@@ -221,6 +221,26 @@ pub(super) fn run_session(
     timed.into_par_iter().enumerate().map(run).collect()
 }
 
+/// Blocks of random numbers, which do not change when a kind is added.
+pub(super) mod block {
+    use super::super::kind::Kind;
+
+    /// The kinds that there were first.
+    const KINDS: u64 = 13;
+    /// Of the detection curve.
+    pub const DETECTION: u64 = KINDS;
+    /// Of the cases with laws.
+    pub const LAWS: u64 = KINDS + 1;
+    /// Of planned motions.
+    pub const PLANS: u64 = KINDS + 2;
+
+    /// Of a kind.
+    pub fn of(kind: Kind) -> u64 {
+        let index = kind.index();
+        if index < KINDS { index } else { index + 3 }
+    }
+}
+
 /// What random numbers of a case are for.
 #[derive(Clone, Copy)]
 pub(super) enum Purpose {
@@ -232,8 +252,7 @@ pub(super) enum Purpose {
     Fault,
 }
 
-/// Random numbers for one purpose in one case, independent of other purposes and cases. `block` is the index of a kind, or
-/// a number above.
+/// Random numbers for one purpose in one case, independent of other purposes and cases. `block` is one of [`block`].
 pub(super) fn stream(block: u64, seed: u64, number: u64, purpose: Purpose) -> ChaCha8Rng {
     const MAX_PURPOSES: u64 = 8;
     /// Above the numbers of all cases.

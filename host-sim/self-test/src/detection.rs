@@ -7,7 +7,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::case::{Case, Purpose, run_session, stream};
+use super::case::{Case, Purpose, block, run_session, stream};
 use super::draw::{self, Drawn, Motion};
 use super::kind::Kind;
 use super::machine::AXES;
@@ -109,7 +109,7 @@ impl SizedCase {
     /// # Errors
     /// As [`Case::draw`].
     pub fn draw(seed: u64, number: u64) -> Result<Self, InputError> {
-        let stream = |purpose| stream(Kind::ALL.len() as u64, seed, number, purpose);
+        let stream = |purpose| stream(block::DETECTION, seed, number, purpose);
         let mut random = stream(Purpose::Machine);
         let mut drawn = draw::machine(&draw::WITHIN_TOLERANCE, &mut random);
         let session = draw::session(&mut random);

@@ -78,8 +78,7 @@ fn guide_shape(random: &mut ChaCha8Rng) -> (Vec<Sinusoid>, f64) {
     let waves = [(60.0, 110.0), (120.0, 240.0)].map(|periods_mm| long_wave(periods_mm, &mut between));
     let height = height(|y_m| waves.iter().map(|wave| wave.at(y_m)).sum::<f64>());
     let extent_um = between(3.0, 14.0);
-    let scaled =
-        |wave: Sinusoid| Sinusoid { amplitude: 1e-6 * extent_um / height * wave.amplitude, ..wave };
+    let scaled = |wave: Sinusoid| Sinusoid { amplitude: 1e-6 * extent_um / height * wave.amplitude, ..wave };
     (waves.map(scaled).to_vec(), extent_um)
 }
 

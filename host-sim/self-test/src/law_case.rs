@@ -6,7 +6,7 @@
 use rand::RngExt;
 use serde_json::{Value, json};
 
-use super::case::{Case, Purpose, run_session, stream};
+use super::case::{Case, Purpose, block, run_session, stream};
 use super::detection::noise_free;
 use super::draw::{self, Drawn, Motion};
 use super::kind::Kind;
@@ -38,7 +38,7 @@ impl LawCase {
     /// As [`Case::draw`].
     pub fn draw(seed: u64, number: u64) -> Result<Self, InputError> {
         // One above that of the detection curve.
-        let stream = |purpose| stream(Kind::ALL.len() as u64 + 1, seed, number, purpose);
+        let stream = |purpose| stream(block::LAWS, seed, number, purpose);
         let mut random = stream(Purpose::Machine);
         let mut drawn = draw::machine(&draw::WITHIN_TOLERANCE, &mut random);
         let session = draw::session(&mut random);

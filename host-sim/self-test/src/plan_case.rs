@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::case::{Case, Purpose, Session, run_session, stream};
+use super::case::{Case, Purpose, Session, block, run_session, stream};
 use super::draw::Drawn;
 use super::kind::Kind;
 use super::machine::AXES;
@@ -168,8 +168,7 @@ impl PlanCase {
 }
 
 fn noise(seed: u64, number: u64, log: u64) -> rand_chacha::ChaCha8Rng {
-    // Two above the number of the detection curve.
-    stream(Kind::ALL.len() as u64 + 2, seed, number, Purpose::Log(log))
+    stream(block::PLANS, seed, number, Purpose::Log(log))
 }
 
 /// Commanded positions of a planned motion at each sample, mm.

@@ -66,7 +66,8 @@ fn straightness(tool: &ToolParameters, names: &[String]) -> Option<(u8, Straight
     let index = names.iter().position(|name| name == source).and_then(|i| u8::try_from(i).ok())?;
     let bows = || tool.straightness.iter().filter(|bow| bow.source == *source);
     let maps = || tool.straightness_maps.iter().filter(|(of, _)| of == source).map(|(_, curve)| curve);
-    let Some(travel_m) = maps().filter_map(PositionCurve::range).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+    let Some(travel_m) =
+        maps().filter_map(PositionCurve::range).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
     else {
         return Some((index, Straightness::Quadratic(1e-6 * bows().map(|bow| bow.um_per_m2).sum::<f64>())));
     };
@@ -115,8 +116,8 @@ fn pitch(screw: &Screw, travel_m: [f64; 2]) -> Option<Pitch> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use model::effects::{Backlash, PitchProgressive};
     use model::effects;
+    use model::effects::{Backlash, PitchProgressive};
 
     /// A slope of 20 µm/m over ±0.1 m: ±2 µm at the ends. With a gap from 4 µm to 8 µm: less half of it in + direction.
     #[test]
@@ -152,9 +153,7 @@ mod tests {
         let of = |parameters: &AxisParameters| {
             of_axis(parameters, &names, [-0.05, 0.05], 0.0).0.straightness.unwrap()
         };
-        assert!(
-            matches!(of(&parameters), (1, Straightness::Quadratic(bow)) if (bow - 300e-6).abs() < 1e-15)
-        );
+        assert!(matches!(of(&parameters), (1, Straightness::Quadratic(bow)) if (bow - 300e-6).abs() < 1e-15));
         let curve = PositionCurve::over_mm(&[-100.0, 0.0, 100.0], &[-4.0, 0.0, 4.0], 1e-6);
         parameters.tool.straightness_maps = vec![("y".to_owned(), curve)];
         let (source, Straightness::Over(table)) = of(&parameters) else { panic!("no table") };

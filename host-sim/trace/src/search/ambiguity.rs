@@ -61,8 +61,7 @@ pub fn dropped_rivals(
     let options = &data.options.search;
     let Some(effect) = added.model.found().last() else { return Vec::new() };
     let rival = |dropped: &Effect| {
-        let fitted =
-            least_squares::fit(data, &base.model.with(dropped.clone()), scope, least_squares::STEPS);
+        let fitted = least_squares::fit(data, &base.model.with(dropped.clone()), scope, least_squares::STEPS);
         let rival = fitted.model.found().last()?.clone();
         let stages = compare(&scores(&fitted), &scores(added), &scope.stages, options);
         let is_rival = rival.exceeds_tolerance(&fitted.model.nominal().settings, data.rates)

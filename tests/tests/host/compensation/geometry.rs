@@ -121,6 +121,14 @@ pub fn straightness() {
     Comparison::of(effect).assert(expected_um, 0.1, 0.9);
 }
 
+/// As [`pitch_map`], over the position of y.
+pub fn straightness_map() {
+    let expected_um = radial_rms_um(|p| 4.0 * (TAU * p.y_m() / 0.04).sin());
+    let knots = "positions_mm = [-20.0, -10.0, 0.0, 10.0, 20.0]\nerror_um = [0.0, 4.0, 0.0, -4.0, 0.0]";
+    let effect = format!("name = \"straightness_map\"\nsource = \"y\"\n{knots}");
+    Comparison::of(&effect).assert(expected_um, 0.15, 0.9);
+}
+
 /// From 60 s to 65.6 s on the session clock: the drift in the middle, 62.8 s; it moves by 0.5 µm of 8 µm meanwhile.
 pub fn thermal_drift() {
     let expected_um = radial_rms_um(|_| 20.0 * (1.0 - (-62.8f64 / 120.0).exp()));

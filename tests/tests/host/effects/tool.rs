@@ -79,6 +79,17 @@ pub fn straightness() {
     assert_position_offset(effect, |y_mm| 800.0 * (1e-3 * y_mm).powi(2));
 }
 
+/// Tool x − table x = the natural spline through 0, 6 and 0 µm at −50, 0 and 50 mm of y: with u = |y|/50 mm, its second derivative is −18 µm at
+/// u = 0 and falls linearly to zero at u = 1, so that it is 6·(1 − 3/2·u² + 1/2·u³); beyond the knots it is constant.
+pub fn straightness_map() {
+    let knots = "positions_mm = [-50.0, 0.0, 50.0]\nerror_um = [0.0, 6.0, 0.0]";
+    let effect = format!("name = \"straightness_map\"\nsource = \"y\"\n{knots}");
+    assert_position_offset(&effect, |y_mm| {
+        let u = (y_mm.abs() / 50.0).min(1.0);
+        6.0 * (1.0 - 1.5 * u * u + 0.5 * u.powi(3))
+    });
+}
+
 /// Reading of x = tool + angle·y.
 pub fn probe_rotation() {
     assert_position_offset("name = \"probe_rotation\"\num_per_m = 170.0", |y_mm| 170.0 * 1e-3 * y_mm);
