@@ -15,7 +15,7 @@ use crate::position_curve::PositionCurve;
 /// between them, and is constant beyond them.
 ///
 /// The mean over the knots is not fitted, as it is the zero of the tool. Nor is the slope where an angle describes it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StraightnessMap {
     /// The axis whose guide is bent.
@@ -27,6 +27,14 @@ pub struct StraightnessMap {
     /// What describes the slope in a fit. Not in files.
     #[serde(skip)]
     pub slope: SlopeOfMap,
+}
+
+/// Maps are equal if they displace the tool equally. What a fit changes of them is no part of that.
+impl PartialEq for StraightnessMap {
+    fn eq(&self, other: &Self) -> bool {
+        let curve = |map: &Self| (map.source.clone(), map.positions_mm.clone(), map.error_um.clone());
+        curve(self) == curve(other)
+    }
 }
 
 /// What describes the slope of a map.
