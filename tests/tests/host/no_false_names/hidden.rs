@@ -88,6 +88,20 @@ fn a_load_that_reveals_a_windup() {
     assert_exact(Kind::Many, 20_261_212, 19);
 }
 
+/// A ripple of 39 N beside a backlash of 19 µm: it was refused, as with the error of the simulation of a model without it the table of one log
+/// became worse by half.
+#[test]
+fn a_ripple_beside_a_backlash() {
+    assert_exact(Kind::Many, 20_261_212, 2);
+}
+
+/// A dividing error of 5.8 µm beside a mode of the tool of 42 Hz, which resembled a wave of the scale as long as it was not found: the wave of the
+/// scale was refuted and the model "did not describe these logs".
+#[test]
+fn a_dividing_error_beside_a_mode_that_resembles_it() {
+    assert_exact(Kind::Coarse, 20_261_212, 15);
+}
+
 /// A reading 0.31 ms late and an in-talk of −0.16 µm per m/s² were a mode of 376 Hz with a damping ratio of 0.2, certain: far above the
 /// frequencies of the motion, where a mode is a delay of 2ζ/ω and an in-talk of −1/ω².
 #[test]
