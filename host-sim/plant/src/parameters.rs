@@ -3,9 +3,9 @@
 
 use model::axis::Mechanics;
 use model::effects::{
-    Channel, ConstantLoad, Crosstalk, DriveAsymmetry, Effect, EffectModel, ForceWindup, InertialWindup,
-    Intalk, Latency, LostMotion, Mode, MotorStribeck, PeriodicError, PositionLoad, Resonance, Squareness,
-    Straightness, ThermalDrift, ThermalRate, TorqueRipple,
+    Channel, ConstantLoad, Crosstalk, DriveAsymmetry, Effect, EffectModel, ForceWindup, Gravity,
+    InertialWindup, Intalk, Latency, LostMotion, Mode, MotorStribeck, PeriodicError, PositionLoad, Resonance,
+    Squareness, Straightness, ThermalDrift, ThermalRate, TorqueRipple,
 };
 use model::machine::{Axis, Machine};
 use model::position_curve::PositionCurve;
@@ -81,6 +81,8 @@ pub struct Load {
     pub constant: ConstantLoad,
     /// Force that grows along the travel.
     pub position: Option<PositionLoad>,
+    /// Torque of gravity on a rotary axis.
+    pub gravity: Option<Gravity>,
 }
 
 impl Load {
@@ -95,13 +97,14 @@ impl Load {
     #[must_use]
     #[inline]
     pub fn varying_n(&self, position_m: f64) -> f64 {
-        self.position.as_ref().map_or(0.0, |load| load.force_n(position_m))
+        let along = self.position.as_ref().map_or(0.0, |load| load.force_n(position_m));
+        along + self.gravity.as_ref().map_or(0.0, |gravity| gravity.force_n(position_m))
     }
 
     /// Whether [`Self::varying_n`] is anywhere not zero.
     #[must_use]
     pub const fn varies(&self) -> bool {
-        self.position.is_some()
+        self.position.is_some() || self.gravity.is_some()
     }
 }
 
@@ -256,6 +259,7 @@ impl AxisParameters {
             Effect::DriveAsymmetry(e) => self.drive_asymmetry = e,
             Effect::ConstantLoad(e) => self.load.constant.force_n += e.force_n,
             Effect::PositionLoad(e) => self.load.position = Some(e),
+            Effect::Gravity(e) => self.load.gravity = Some(e),
             // Part of the controller: see `ServoParameters::of`.
             Effect::ServoMismatch(_)
             | Effect::VelocityLag(_)

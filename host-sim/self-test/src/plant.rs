@@ -104,6 +104,8 @@ pub struct Mechanics {
     pub load_n: f64,
     /// Increase of the load along the travel of the table; 0 at position 0.
     pub load_n_per_m: f64,
+    /// Load over the table's position, N over m, positive if it opposes forward motion: gravity on a joint.
+    pub load_wave: Sinusoid,
     /// Variation of the Coulomb friction over the table's position, N over m; in sum smaller than the Coulomb friction.
     pub friction_waves: Vec<Sinusoid>,
     /// Additional Coulomb friction of the table at time 0 of the session.
@@ -152,7 +154,8 @@ impl Mechanics {
         let motor_friction_n = self.motor_friction_n(motor);
         let ripple_n = self.ripple.at(state.motor_m);
         let motor_n = force_n + ripple_n - spring_n - motor_friction_n;
-        let table_n = spring_n - friction_n - (self.load_n + self.load_n_per_m * state.table_m);
+        let load_n = self.load_n + self.load_n_per_m * state.table_m + self.load_wave.at(state.table_m);
+        let table_n = spring_n - friction_n - load_n;
         state.motor_m_per_s = motor + STEP_S * motor_n / self.motor_kg;
         state.table_m_per_s2 = table_n / self.table_kg;
         state.table_m_per_s = table + STEP_S * state.table_m_per_s2;

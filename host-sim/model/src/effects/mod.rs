@@ -27,6 +27,7 @@ mod friction_map;
 mod friction_memory;
 mod friction_ripple;
 mod friction_warm_up;
+mod gravity;
 mod inertial_windup;
 mod intalk;
 mod integral_time_mismatch;
@@ -97,6 +98,7 @@ pub use friction_map::FrictionMap;
 pub use friction_memory::FrictionMemory;
 pub use friction_ripple::FrictionRipple;
 pub use friction_warm_up::FrictionWarmUp;
+pub use gravity::Gravity;
 pub use inertial_windup::InertialWindup;
 pub use intalk::Intalk;
 pub use integral_time_mismatch::IntegralTimeMismatch;
@@ -157,6 +159,7 @@ catalogue! {
     ConstantLoad,
     DriveAsymmetry,
     PositionLoad,
+    Gravity,
     MotorStribeck,
     FrictionWarmUp,
     FrictionMap,
@@ -233,11 +236,14 @@ mod tests {
         unknown.controller.drive = Drive::Stepper;
         let no_force = LoggedChannels { force: false, ..LoggedChannels::ALL };
         let stepper = EffectContext { axis: &unknown, logged: no_force, ..with_all_stages };
+        let turning = Settings { names: crate::axis::KeyNames::Rotary, ..axis.clone() };
+        let rotary = EffectContext { axis: &turning, ..with_all_stages };
         let mut all = initial_guesses(&with_all_stages);
         let added = initial_guesses(&without_table)
             .into_iter()
             .chain(initial_guesses(&second))
             .chain(initial_guesses(&stepper))
+            .chain(initial_guesses(&rotary))
             .chain(of_the_scale())
             .chain(KINDS.iter().flat_map(|kind| (kind.assumed)()))
             .filter(|effect| !all.contains(effect))

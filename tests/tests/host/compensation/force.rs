@@ -4,11 +4,17 @@
 
 use std::f64::consts::TAU;
 
-use super::runs::{Comparison, PLAIN, SPEED_MM_S, changed, circle, motion, usual};
+use model::axis::KeyNames;
+
+use super::runs::{Comparison, PLAIN, SPEED_MM_S, changed, circle, machine, motion, usual};
 use super::theory::{LOOP, Point, Side};
 
 fn on_table(effect: &str, force_n: impl Fn(Point) -> f64) {
-    Comparison::of(effect).assert(LOOP.displaced_um(Side::Table, force_n), 0.3, 0.8);
+    on_table_of(PLAIN, effect, force_n);
+}
+
+fn on_table_of(plain: &str, effect: &str, force_n: impl Fn(Point) -> f64) {
+    Comparison::on(plain, effect, &usual()).assert(LOOP.displaced_um(Side::Table, force_n), 0.3, 0.8);
 }
 
 fn on_reversal(effect: &str, force_n: impl Fn(Point) -> f64) {
@@ -101,4 +107,13 @@ pub fn position_load() {
     let effect =
         "name = \"position_load\"\ncentre_mm = 0.0\nslope_n_per_m = 20000.0\ncurvature_n_per_m2 = 0.0";
     on_table(effect, |p| 2e4 * p.x_m());
+}
+
+/// ± 20° of a joint whose load is zero at 0°: 1000 N·m·sin q.
+pub fn gravity() {
+    let mut plain = machine(PLAIN);
+    plain.axis["x"].settings.names = KeyNames::Rotary;
+    on_table_of(&plain.to_toml(), "name = \"gravity\"\nsine_nm = 1000.0\ncosine_nm = 0.0", |p| {
+        1000.0 * (1e3 * p.x_m()).to_radians().sin()
+    });
 }

@@ -3,6 +3,8 @@
 use std::f64::consts::TAU;
 
 use files::log::Channel;
+use model::axis::KeyNames;
+use model::machine::Machine;
 use plant::instruments::Instruments;
 
 use crate::effects::runs::{
@@ -91,35 +93,50 @@ pub fn constant_load() {
     }
 }
 
-/// The drive compensates slope·(x − c) + curvature·(x − c)² in both directions, and the screw is stretched by it.
-pub fn position_load() {
-    let (centre_mm, slope, curvature, mm_s) = (20.0, 1500.0, 20_000.0, 20.0);
+/// Asserts that the drive compensates a load over the position (mm) in both directions of an axis, and that the screw is stretched by it. The load
+/// changes by at most 62 N/s, and the response of the loop takes some 10 ms.
+fn assert_load([plain, with]: [&str; 2], load_n: impl Fn(f64) -> f64) {
+    let mm_s = 20.0;
     let motion = lines(&[(60.0, mm_s), (0.0, mm_s)]);
-    let plain = run(PLAIN, &motion);
-    let effect = format!(
-        "name = \"position_load\"\nslope_n_per_m = {slope:?}\ncentre_mm = {centre_mm:?}\n\
-         curvature_n_per_m2 = {curvature:?}"
-    );
-    let effect_run = run(&with(&effect), &motion);
+    let [plain, effect_run] = [plain, with].map(|machine| run(machine, &motion));
     let table_mm = effect_run.channel("x", Channel::Table);
-    let expected = |mm: &f64| {
-        let x_m = 1e-3 * (mm - centre_mm);
-        x_m * (slope + curvature * x_m)
-    };
-    let expected_n: Vec<f64> = table_mm.iter().map(expected).collect();
+    let expected_n: Vec<f64> = table_mm.iter().map(|mm| load_n(*mm)).collect();
     let stretch_um: Vec<f64> =
         expected_n.iter().map(|n| -n / declared().mechanics.stiffness_n_per_um.unwrap()).collect();
     let force_error = difference(&effect_run.change(Channel::Force, &plain), &expected_n);
     let stretch_error = difference(&effect_run.drive_train_change_um(&plain), &stretch_um);
     for mm_s in [mm_s, -mm_s] {
         let steady = effect_run.steady(mm_s);
-        // The load changes by up to 62 N/s (slope and twice the curvature, times 20 mm/s), and the response of the loop
-        // takes some 10 ms.
         assert_all(&force_error, &steady, 0.0, ROUNDING_N + 0.9, "force");
         assert_all(&stretch_error, &steady, 0.0, ROUNDING_UM + 0.005, "table − motor");
     }
     let largest_n = expected_n.iter().fold(0.0f64, |max, n| max.max(n.abs()));
     assert!(largest_n > 50.0, "{largest_n}");
+}
+
+/// slope·(x − c) + curvature·(x − c)², which changes by slope and twice the curvature, times 20 mm/s.
+pub fn position_load() {
+    let (centre_mm, slope, curvature) = (20.0, 1500.0, 20_000.0);
+    let effect = format!(
+        "name = \"position_load\"\nslope_n_per_m = {slope:?}\ncentre_mm = {centre_mm:?}\n\
+         curvature_n_per_m2 = {curvature:?}"
+    );
+    assert_load([PLAIN, &with(&effect)], |mm| {
+        let x_m = 1e-3 * (mm - centre_mm);
+        x_m * (slope + curvature * x_m)
+    });
+}
+
+/// sine·sin q + cosine·cos q, at 20°/s by at most 100 N·m · 0.35 rad/s = 35 N·m/s. The axis has the keys of a rotary one, of the same values.
+pub fn gravity() {
+    let mut machine = Machine::parse(PLAIN, "vmc.toml").unwrap();
+    machine.axis["x"].settings.names = KeyNames::Rotary;
+    let plain = machine.to_toml();
+    let effect = "[[axis.x.effect]]\nname = \"gravity\"\nsine_nm = 80.0\ncosine_nm = -60.0";
+    assert_load([&plain, &format!("{plain}\n{effect}\n")], |deg| {
+        let (sine, cosine) = deg.to_radians().sin_cos();
+        80.0 * sine - 60.0 * cosine
+    });
 }
 
 /// Friction rises by force·exp(−t/τ), t on the session clock, which a run need not start at zero.

@@ -20,7 +20,7 @@ tested! {
     screw: backlash, pitch_progressive, pitch_cyclic, resolver_dividing, encoder_ellipticity, pitch_map;
     scale: scale_gain, scale_cyclic, thermal_growth;
     screw: windup;
-    force: stribeck, friction_asymmetry, torque_ripple, constant_load, drive_asymmetry, position_load,
+    force: stribeck, friction_asymmetry, torque_ripple, constant_load, drive_asymmetry, position_load, gravity,
         motor_stribeck, friction_warm_up,
         friction_map, presliding, shear_thinning, friction_memory,
         preload_variation, friction_ripple, quadratic_drag;

@@ -1,6 +1,10 @@
 //! Forces that are no constant load.
 
+use files::log::Unit;
+use model::axis::KeyNames;
 use model::effects::Stage;
+use self_test::plant::Sinusoid;
+use trace::trace;
 use trace::verdict::{self, Verdict};
 
 use super::machine::TestMachine;
@@ -19,6 +23,29 @@ fn a_force_that_grows_along_the_travel_is_a_position_load() {
     for (axis, slope) in slopes_n_per_m.into_iter().enumerate() {
         assert_value(found(&trace, axis, "position_load"), "slope_n_per_m", slope, 10.0);
     }
+}
+
+/// A joint with an arm of 150 N·m whose load is highest at 30°, over the ± 80° that the simulated table moves: once a constant load and a position
+/// load. 150·cos(q − 30°) is 75·sin q + 129.9·cos q. The other joint has no load and gets none.
+#[test]
+fn the_load_of_a_joint_over_its_angle_is_gravity() {
+    let machine = TestMachine::new(2).with_mechanics(0, |mechanics| {
+        // sin(q + 60°): 360° are 0.36 of the simulated metres.
+        mechanics.load_wave = Sinusoid { amplitude: 150.0, period: 0.36, phase: 60f64.to_radians() };
+    });
+    let mut file = machine.file();
+    for axis in file.axis.values_mut() {
+        axis.settings.names = KeyNames::Rotary;
+    }
+    let [mut fit, mut validate] = machine.logs();
+    for axis in fit.iter_mut().chain(&mut validate).flat_map(|log| &mut log.axes) {
+        axis.unit = Unit::Degree;
+    }
+    let traced = trace(&file, &fit, &validate, &|_| {}).unwrap();
+    assert_named(&traced, &[("x", "gravity")]);
+    let gravity = found(&traced, 0, "gravity");
+    assert_value(gravity, "sine_n", 75.0, 2.0);
+    assert_value(gravity, "cosine_n", 129.9, 2.0);
 }
 
 /// The zero of a force sensor: once "constant load 1000 N", which makes the closed loop worse, as no such force acts.

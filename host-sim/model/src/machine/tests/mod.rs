@@ -163,7 +163,8 @@ fn every_written_effect_is_read_as_the_same_effect() {
     all.extend(crate::effects::KINDS.iter().flat_map(|kind| (kind.assumed)()));
     let of_unknown = crate::effects::initial_guesses(&stepper);
     let names: Vec<&str> = all.iter().chain(&of_unknown).map(Effect::name).collect();
-    assert!(crate::effects::names().iter().all(|name| names.contains(name)));
+    // Of rotary axes: `gravity_is_that_of_a_rotary_axis`.
+    assert!(crate::effects::names().iter().all(|name| names.contains(name) || *name == "gravity"));
     // Axis x declares nothing but its drive.
     machine.axis["x"].settings.controller.drive = crate::axis::Drive::Stepper;
     let placed =
@@ -173,6 +174,22 @@ fn every_written_effect_is_read_as_the_same_effect() {
         assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
         machine.axis[axis].effect.clear();
     }
+}
+
+/// With its keys in N·m; an axis with keys of linear ones is refused.
+#[test]
+fn gravity_is_that_of_a_rotary_axis() {
+    let inertias = "motor_inertia_kg_m2 = 0.5\ntable_inertia_kg_m2 = 2.0";
+    let file = |keys: &str| {
+        let effect = "[[axis.c.effect]]\nname = 'gravity'\nsine_nm = 5.0\ncosine_nm = -8.0";
+        format!("name = 'm'\nsample_rate_hz = 1000.0\n[axis.c]\n{keys}\n{effect}\n")
+    };
+    let machine = Machine::parse(&file(inertias), "m.toml").unwrap();
+    assert_eq!(machine.axis["c"].effect[0].values(), [5.0, -8.0]);
+    assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
+    let linear = file("").replace("_nm", "_n");
+    let refused = Machine::parse(&linear, "m.toml").err().unwrap().to_string();
+    assert!(refused.contains("this effect only on a rotary axis"), "{refused}");
 }
 
 #[test]
