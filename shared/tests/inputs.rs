@@ -6,6 +6,7 @@ use shared::drive::{
     Amplifier, Board, DriveSystem, Duty, EnableSwitch, Inputs, StatusLight, Supply, SupplyLimits,
 };
 use shared::feedback::Reading;
+use shared::figures::{Thermistor, ThermistorSettings};
 use shared::interpolate::{Block, PathError};
 use shared::machine::Machine;
 use shared::safety::{Fault, FaultKind, Power};
@@ -76,7 +77,8 @@ fn off() -> (System, TestBoard) {
         duties: [Duty::default(); 2],
         enabled: false,
     };
-    (system.with_supply_limits(LIMITS), board)
+    let thermistor = Thermistor::new(&THERMISTOR, LIMITS.max_temperature_mc).unwrap();
+    (system.with_supply_limits(LIMITS).with_thermistor(thermistor), board)
 }
 
 fn run(system: &mut System, board: &mut TestBoard, ticks: u32) {
@@ -110,7 +112,11 @@ const fn on_y(kind: FaultKind) -> Fault {
 /// An input, its fault, and whether the drives stay on for a stop.
 type Row = (fn(&mut TestBoard), Fault, bool);
 
-const ROWS: [Row; 9] = [
+/// A thermistor of which 80 °C are 461.8 of 4096 counts: e^(3950·(1/353.15 − 1/298.15)) = 0.1271 of its series resistor.
+const THERMISTOR: ThermistorSettings =
+    ThermistorSettings { resistance_25_ohm: 1e4, beta_k: 3950.0, series_ohm: 1e4, full_counts: 4096 };
+
+const ROWS: [Row; 11] = [
     (|board| board.inputs.emergency_stop = true, Fault::EmergencyStop, false),
     (|board| board.stopped = true, Fault::HardwareStop, false),
     (|board| board.inputs.supply.bus_mv = Some(56_001), Fault::BusOvervoltage, false),
@@ -118,6 +124,9 @@ const ROWS: [Row; 9] = [
     (|board| board.inputs.axes[1].drive_fault = true, on_y(FaultKind::DriveFault), false),
     (|board| board.inputs.axes[1].bad_encoder_signal = true, on_y(FaultKind::EncoderSignal), false),
     (|board| board.inputs.supply.temperature_mc = Some(80_001), Fault::OverTemperature, true),
+    (|board| board.inputs.thermistor_counts = Some(461), Fault::OverTemperature, true),
+    // A broken wire: the resistor pulls the input up.
+    (|board| board.inputs.thermistor_counts = Some(4095), Fault::OverTemperature, true),
     (|board| board.inputs.axes[1].limits = [false, true], on_y(FaultKind::LimitSwitch), true),
     // Both ends at once, as with a broken cable.
     (|board| board.inputs.axes[1].limits = [true, true], on_y(FaultKind::LimitSwitch), true),
@@ -187,6 +196,21 @@ fn a_block_onto_an_active_switch_is_refused_before_it_starts() {
     board.inputs.axes[0].limits = [false; 2];
     run(&mut system, &mut board, 1);
     system.machine_mut().push(&line([0.001, 0.0])).unwrap();
+}
+
+/// At the last counts that are allowed nothing happens, and the supply has the temperature: 80 °C to a count of 0.07 K.
+#[test]
+fn a_thermistor_at_its_limit_is_no_fault_and_tells_the_temperature() {
+    let (mut system, mut board) = moving();
+    assert_eq!(system.supply(), GOOD);
+    board.inputs.thermistor_counts = Some(462);
+    run(&mut system, &mut board, 10);
+    assert_eq!(system.machine().power(), Power::On);
+    let Supply { bus_mv, temperature_mc } = system.supply();
+    assert!(
+        bus_mv == GOOD.bus_mv && temperature_mc.is_some_and(|mc| (79_920..=80_000).contains(&mc)),
+        "{temperature_mc:?}"
+    );
 }
 
 /// Limits of the supply are those of the board: without limits no voltage is a fault.

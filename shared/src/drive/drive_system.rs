@@ -5,13 +5,14 @@ use super::board::Board;
 use super::direction_check::DirectionCheck;
 use super::enable_switch::{EnableSwitch, SwitchEvent};
 use super::enabling::{Enabling, NotArmed};
-use super::inputs::{Inputs, SupplyLimits};
+use super::inputs::{Inputs, Supply, SupplyLimits};
 use super::limit_guard::LimitGuard;
 use super::output::{Demand, DriveOutput};
 use super::sequence::Sequence;
 use super::status_light::StatusLight;
 use super::tick_watch::{TickClock, TickCounts, TickWatch};
 use crate::feedback::{OriginShift, Reading};
+use crate::figures::Thermistor;
 use crate::machine::{Machine, Output};
 use crate::safety::{Fault, FaultKind};
 use crate::scalar::Scalar;
@@ -35,6 +36,8 @@ pub struct DriveSystem<'m, S: Scalar, const N: usize, O = Amplifier<S>> {
     pub(super) direction_check_run: Option<DirectionCheckRun<S, N>>,
     enabling: Enabling,
     supply_limits: SupplyLimits,
+    /// The thermistor of the power stages, whose counts are among the inputs.
+    thermistor: Option<Thermistor>,
     limit_guard: LimitGuard<N>,
     pub(super) tick_watch: TickWatch,
     /// Origin of each axis, from the position at power-up.
@@ -73,6 +76,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
             switch,
             light,
             supply_limits: SupplyLimits::NONE,
+            thermistor: None,
             limit_guard: LimitGuard::new(),
             tick_watch: TickWatch::new(None),
             origins: [OriginShift { motor: 0, table: 0 }; N],
@@ -123,6 +127,13 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
     #[must_use]
     pub const fn with_supply_limits(mut self, limits: SupplyLimits) -> Self {
         self.supply_limits = limits;
+        self
+    }
+
+    /// Sets the thermistor of the power stages, with its limit. A board that has one gives its counts among the inputs, and no temperature.
+    #[must_use]
+    pub const fn with_thermistor(mut self, thermistor: Thermistor) -> Self {
+        self.thermistor = Some(thermistor);
         self
     }
 
@@ -233,7 +244,24 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
 
     /// The fault of the supply.
     pub(super) const fn supply_fault(&self) -> Option<Fault> {
-        self.supply_limits.fault(&self.inputs.supply)
+        match (self.supply_limits.fault(&self.inputs.supply), self.thermistor, self.inputs.thermistor_counts)
+        {
+            (None, Some(thermistor), Some(counts)) if thermistor.is_too_hot(counts) => {
+                Some(Fault::OverTemperature)
+            }
+            (fault, ..) => fault,
+        }
+    }
+
+    /// The supply, with the temperature of a thermistor. Not for a tick.
+    #[must_use]
+    pub fn supply(&self) -> Supply {
+        match (self.thermistor, self.inputs.thermistor_counts) {
+            (Some(thermistor), Some(counts)) => {
+                Supply { temperature_mc: thermistor.temperature_mc(counts), ..self.inputs.supply }
+            }
+            _ => self.inputs.supply,
+        }
     }
 
     /// Raises the faults of the inputs. Drives that have come on in this tick go off again at once, also by a fault that would stop a
