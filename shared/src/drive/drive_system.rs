@@ -2,6 +2,7 @@
 
 use super::amplifier::Amplifier;
 use super::board::Board;
+use super::debounce::Debounce;
 use super::direction_check::DirectionCheck;
 use super::enable_switch::{EnableSwitch, SwitchEvent};
 use super::enabling::{Enabling, NotArmed};
@@ -47,9 +48,29 @@ pub struct DriveSystem<'m, S: Scalar, const N: usize, O = Amplifier<S>> {
     /// Forces of the last tick.
     pub(super) forces: [S; N],
     inputs: Inputs<N>,
+    pub(super) debounce: Debounce,
+    /// The limit switches as they are read, for a direction check.
+    pub(super) limit_samples: [[bool; 2]; N],
+    /// The last tick, and the one before it.
+    recent: [Moment<N>; 2],
     readings: [Reading; N],
     /// Whether the last tick has enabled the power stages.
     stages_enabled: bool,
+}
+
+/// What the axes were at the start of a tick.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moment<const N: usize> {
+    /// Readings from power-up.
+    pub readings: [Reading; N],
+    /// Commands.
+    pub commands: [Position; N],
+}
+
+impl<const N: usize> Moment<N> {
+    /// Before the first tick.
+    const NONE: Self =
+        Self { readings: [Reading { motor: Position(0), table: None }; N], commands: [Position(0); N] };
 }
 
 /// What a tick has read and computed.
@@ -84,7 +105,10 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
             forces: [S::ZERO; N],
             direction_check_run: None,
             inputs: Inputs::NONE,
-            readings: [Reading { motor: Position(0), table: None }; N],
+            debounce: Debounce::NEW,
+            limit_samples: [[false; 2]; N],
+            recent: [Moment::NONE; 2],
+            readings: Moment::<N>::NONE.readings,
             enabling: Enabling::BySwitch,
             stages_enabled: false,
         }
@@ -183,11 +207,15 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
     pub fn tick(&mut self, board: &mut impl Board<N, O::Signal>) -> Tick<S, N> {
         self.tick_watch.started(board.started_at(), self.stages_enabled);
         let event = self.switch.update(board.enable_switch_closed());
-        self.inputs = board.inputs();
+        let samples = board.inputs();
+        self.limit_samples = samples.axes.map(|axis| axis.limits);
+        self.inputs = self.debounce.update(samples);
         let from_power_up = board.readings();
         self.machine.set_limit_switches(self.inputs.axes.map(|axis| axis.limits));
         self.home_tick(&from_power_up);
-        self.probe_tick(&from_power_up);
+        self.probe_tick();
+        let [last, _] = self.recent;
+        self.recent = [Moment { readings: from_power_up, commands: self.machine.command() }, last];
         for ((reading, raw), origin) in self.readings.iter_mut().zip(from_power_up).zip(self.origins) {
             *reading = raw.shifted(origin);
         }
@@ -234,6 +262,12 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
         }
         board.set_light(self.light.is_lit(self.machine.power(), output.warning));
         Tick { readings: self.readings, output }
+    }
+
+    /// What the axes were some ticks before the present one, 1 or 2.
+    pub(super) fn before(&self, ticks: usize) -> &Moment<N> {
+        let [last, earlier] = &self.recent;
+        if ticks == 1 { last } else { earlier }
     }
 
     pub(super) const fn disarm(&mut self) {
