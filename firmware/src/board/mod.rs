@@ -77,6 +77,14 @@ fn linear_input([slope, offset]: [f64; 2]) -> Result<LinearInput, SetupError> {
     LinearInput::new(slope, offset).ok_or(SetupError::Converter)
 }
 
+/// The scale of a linear temperature sensor; `None`: a thermistor is fitted.
+fn linear_temperature() -> Result<Option<LinearInput>, SetupError> {
+    match core::hint::black_box(&setup::TEMPERATURE) {
+        TemperatureSensor::Linear(scale) => linear_input(*scale).map(Some),
+        TemperatureSensor::Thermistor(_) => Ok(None),
+    }
+}
+
 impl Parts {
     /// Initialises clocks, pins and timers, configures the machine, and starts the ticks with the drives off.
     ///
@@ -146,10 +154,7 @@ impl Parts {
             sensors,
             converters,
             bus: linear_input([setup::BUS_MV_PER_COUNT, 0.0])?,
-            temperature: match core::hint::black_box(&setup::TEMPERATURE) {
-                TemperatureSensor::Linear(scale) => Some(linear_input(*scale)?),
-                TemperatureSensor::Thermistor(_) => None,
-            },
+            temperature: linear_temperature()?,
             stages,
             steps: table.map(step_counter),
             fault_light: c.pc13.into_push_pull_output_in_state(PinState::High),

@@ -120,9 +120,9 @@ mod tests {
             let mut debounce = Debounce::NEW;
             let inputs = |k: usize| {
                 let axes = samples[k].map(|[negative, positive, home]| AxisInputs {
-                    limits: [negative, positive], home, drive_fault: k % 2 == 0, ..AxisInputs::NONE
+                    limits: [negative, positive], home, drive_fault: k.is_multiple_of(2), ..AxisInputs::NONE
                 });
-                Inputs { axes, probe_touched: probe[k], emergency_stop: k % 3 == 0, ..Inputs::NONE }
+                Inputs { axes, probe_touched: probe[k], emergency_stop: k.is_multiple_of(3), ..Inputs::NONE }
             };
             for k in 0..samples.len() {
                 let state = debounce.update(inputs(k));

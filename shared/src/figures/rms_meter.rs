@@ -83,9 +83,15 @@ mod tests {
         #[test]
         fn the_rms_is_that_of_the_window(values in prop::collection::vec(-1_000_000i64..1_000_000, 8)) {
             let mut meter = RmsMeter::<1>::new(8);
-            (0..8).for_each(|_| meter.add(&[[7_000_000, 1]]));
-            values.iter().for_each(|value| meter.add(&[[*value, value / 2]]));
-            (0..7).for_each(|_| meter.add(&[[7_000_000, 1]]));
+            for _ in 0..8 {
+                meter.add(&[[7_000_000, 1]]);
+            }
+            for value in &values {
+                meter.add(&[[*value, value / 2]]);
+            }
+            for _ in 0..7 {
+                meter.add(&[[7_000_000, 1]]);
+            }
             let exact = |values: &mut dyn Iterator<Item = i64>| {
                 libm::sqrt(values.map(|v| (v * v) as f64).sum::<f64>() / 8.0)
             };
@@ -110,7 +116,9 @@ mod tests {
         assert_eq!(meter.axis(1), None);
         meter.clear();
         assert_eq!(meter.axis(0), None);
-        (1..LONGEST_WINDOW).for_each(|_| meter.add(&[[3, 64]]));
+        for _ in 1..LONGEST_WINDOW {
+            meter.add(&[[3, 64]]);
+        }
         assert_eq!(meter.axis(0), None);
         meter.add(&[[3, 64]]);
         let AxisRms { error_nm, force_n } = meter.axis(0).unwrap();

@@ -32,6 +32,10 @@ const NOMINAL_K: f64 = ZERO_K + 25.0;
 /// Least and greatest temperature of a thermistor whose wires are whole, m°C.
 const TRUSTED_MC: [i32; 2] = [-40_000, 150_000];
 
+/// 1 over the temperature of the nominal resistance, 1/K, and 0 °C, K.
+#[expect(clippy::cast_possible_truncation, reason = "for display")]
+const NOMINAL: [f32; 2] = [(1.0 / NOMINAL_K) as f32, ZERO_K as f32];
+
 /// A thermistor and its resistor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThermistorSettings {
@@ -113,8 +117,6 @@ impl Thermistor {
         if !(least..=most).contains(&counts) {
             return None;
         }
-        #[expect(clippy::cast_possible_truncation, reason = "a constant")]
-        const NOMINAL: [f32; 2] = [(1.0 / NOMINAL_K) as f32, ZERO_K as f32];
         let [per_nominal, zero] = NOMINAL;
         // Below the full counts.
         let resistance = self.ratio * f32::from(counts) / f32::from(self.full_counts - counts);
