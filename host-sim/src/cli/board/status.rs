@@ -99,7 +99,8 @@ fn figures(name: &str, axis: &AxisStatus) -> Option<String> {
     let signals = axis.signals.map(|signals| {
         let SignalFigures { amplitude_counts, level_db, phase_deg, health_percent } = signals;
         format!(
-            "signals: {amplitude_counts:.0} counts, {level_db:+.2} dB from the middle of their limits; phase {phase_deg:.0} °, health {health_percent:.0} %"
+            "signals: {amplitude_counts:.0} counts, {level_db:+.2} dB from the middle of their limits; phase {:.2} of a period, health {health_percent:.0} %",
+            phase_deg / 360.0
         )
     });
     let parts: Vec<String> = rms.into_iter().chain(signals).collect();
