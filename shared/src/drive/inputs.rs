@@ -56,7 +56,7 @@ pub struct AxisInputs {
     pub drive_fault: bool,
     /// Whether the signals of the motor encoder or resolver are outside their amplitudes.
     pub bad_encoder_signal: bool,
-    /// Those signals; `None`: the sensor has none.
+    /// Sine and cosine of that encoder or resolver; `None`: the sensor has none.
     pub signals: Option<EncoderSignals>,
 }
 
