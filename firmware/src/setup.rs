@@ -11,6 +11,7 @@ use shared::drive::{
     AnyOutput, DriveError, DriveSettings, DriveSystem, EnableSwitch, StatusLight, SupplyLimits, TickClock,
 };
 use shared::feedback::resolver::ResolverSettings;
+use shared::figures::{Thermistor, ThermistorSettings};
 use shared::homing::{AtLimit, Direction, HomingSettings, Mark};
 use shared::interpolate::Smoothing;
 use shared::link::message::BoardSettings;
@@ -166,6 +167,18 @@ pub static ENVELOPE: Envelope = Envelope {
 /// Bus voltage in mV per count of 12 bits: 3.3 V behind a divider of 100 kΩ and 4.7 kΩ.
 pub const BUS_MV_PER_COUNT: f64 = 3300.0 / 4096.0 * (100.0 + 4.7) / 4.7;
 
+/// The sensor of the temperature of the power stages.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TemperatureSensor {
+    /// Temperature in m°C per count, and at 0 counts.
+    Linear([f64; 2]),
+    /// Thermistor between the input and ground, with a resistor to 3.3 V.
+    Thermistor(ThermistorSettings),
+}
+
+/// The sensor that is fitted.
+pub static TEMPERATURE: TemperatureSensor = TemperatureSensor::Linear(TEMPERATURE_MC);
+
 /// Temperature in m°C per count, and at 0 counts: a sensor of 10 mV/K with 500 mV at 0 °C.
 pub const TEMPERATURE_MC: [f64; 2] = [3300.0 / 4096.0 * 100.0, -50_000.0];
 
@@ -251,5 +264,12 @@ pub fn drive_system(
     let outputs = [AnyOutput::new(&x.drive, full_counts, 1)?, AnyOutput::new(&y.drive, full_counts, 1)?];
     let (switch, light) = (EnableSwitch::new(SWITCH_SETTLING_TICKS), StatusLight::new(BLINK_TICKS));
     let system = DriveSystem::new(machine, outputs, switch, light);
-    Ok(system.with_supply_limits(ENVELOPE.supply).with_tick_clock(TICK_CLOCK))
+    let system = system.with_supply_limits(ENVELOPE.supply).with_tick_clock(TICK_CLOCK);
+    match core::hint::black_box(&TEMPERATURE) {
+        TemperatureSensor::Linear(_) => Ok(system),
+        TemperatureSensor::Thermistor(settings) => {
+            let thermistor = Thermistor::new(settings, ENVELOPE.supply.max_temperature_mc);
+            Ok(system.with_thermistor(thermistor.ok_or(SetupError::Converter)?))
+        }
+    }
 }

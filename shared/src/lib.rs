@@ -10,6 +10,7 @@ pub mod control;
 pub mod drive;
 pub mod excitation;
 pub mod feedback;
+pub mod figures;
 pub mod homing;
 mod integer;
 pub mod interpolate;

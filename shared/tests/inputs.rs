@@ -6,6 +6,7 @@ use shared::drive::{
     Amplifier, Board, DriveSystem, Duty, EnableSwitch, Inputs, StatusLight, Supply, SupplyLimits,
 };
 use shared::feedback::Reading;
+use shared::figures::{Thermistor, ThermistorSettings};
 use shared::interpolate::{Block, PathError};
 use shared::machine::Machine;
 use shared::safety::{Fault, FaultKind, Power};
@@ -76,7 +77,8 @@ fn off() -> (System, TestBoard) {
         duties: [Duty::default(); 2],
         enabled: false,
     };
-    (system.with_supply_limits(LIMITS), board)
+    let thermistor = Thermistor::new(&THERMISTOR, LIMITS.max_temperature_mc).unwrap();
+    (system.with_supply_limits(LIMITS).with_thermistor(thermistor), board)
 }
 
 fn run(system: &mut System, board: &mut TestBoard, ticks: u32) {
@@ -110,7 +112,16 @@ const fn on_y(kind: FaultKind) -> Fault {
 /// An input, its fault, and whether the drives stay on for a stop.
 type Row = (fn(&mut TestBoard), Fault, bool);
 
-const ROWS: [Row; 9] = [
+/// Ticks that an input waits for: a limit switch one, of two of three samples; the others none.
+const fn wait(fault: Fault) -> u32 {
+    matches!(fault, Fault::Axis { kind: FaultKind::LimitSwitch, .. }) as u32
+}
+
+/// A thermistor of which 80 °C are 461.8 of 4096 counts: e^(3950·(1/353.15 − 1/298.15)) = 0.1271 of its series resistor.
+const THERMISTOR: ThermistorSettings =
+    ThermistorSettings { resistance_25_ohm: 1e4, beta_k: 3950.0, series_ohm: 1e4, full_counts: 4096 };
+
+const ROWS: [Row; 11] = [
     (|board| board.inputs.emergency_stop = true, Fault::EmergencyStop, false),
     (|board| board.stopped = true, Fault::HardwareStop, false),
     (|board| board.inputs.supply.bus_mv = Some(56_001), Fault::BusOvervoltage, false),
@@ -118,17 +129,25 @@ const ROWS: [Row; 9] = [
     (|board| board.inputs.axes[1].drive_fault = true, on_y(FaultKind::DriveFault), false),
     (|board| board.inputs.axes[1].bad_encoder_signal = true, on_y(FaultKind::EncoderSignal), false),
     (|board| board.inputs.supply.temperature_mc = Some(80_001), Fault::OverTemperature, true),
+    (|board| board.inputs.thermistor_counts = Some(461), Fault::OverTemperature, true),
+    // A broken wire: the resistor pulls the input up.
+    (|board| board.inputs.thermistor_counts = Some(4095), Fault::OverTemperature, true),
     (|board| board.inputs.axes[1].limits = [false, true], on_y(FaultKind::LimitSwitch), true),
     // Both ends at once, as with a broken cable.
     (|board| board.inputs.axes[1].limits = [true, true], on_y(FaultKind::LimitSwitch), true),
 ];
 
-/// While the machine moves: off in the same tick, or a stop that has ended within 50 ms (40 mm/s at 1 m/s²) and then off.
+/// While the machine moves: off in the same tick, or a stop that has ended within 50 ms (40 mm/s at 1 m/s²) and then off. A limit switch acts in
+/// the tick behind the one in which it appears, neither before nor later.
 #[test]
-fn each_input_acts_in_the_tick_in_which_it_appears() {
+fn each_input_acts_in_its_tick() {
     for (row, (apply, fault, stops)) in ROWS.into_iter().enumerate() {
         let (mut system, mut board) = moving();
         apply(&mut board);
+        for _ in 0..wait(fault) {
+            run(&mut system, &mut board, 1);
+            assert_eq!((system.machine().power(), board.enabled), (Power::On, true), "row {row}");
+        }
         system.tick(&mut board);
         let power = system.machine().power();
         if stops {
@@ -167,7 +186,7 @@ fn a_block_onto_an_active_switch_is_refused_before_it_starts() {
     let (mut system, mut board) = off();
     enable(&mut system, &mut board);
     board.inputs.axes[0].limits = [false, true];
-    run(&mut system, &mut board, 1);
+    run(&mut system, &mut board, 2);
     let line = |to_m| Block::line(to_m, 0.01, 1.0);
     for to_m in [[1e-6, 0.0], [0.1, -0.1]] {
         let refused = system.machine_mut().push(&line(to_m));
@@ -185,8 +204,41 @@ fn a_block_onto_an_active_switch_is_refused_before_it_starts() {
     assert_eq!((board.at[0].to_m(), system.machine().power()), (-0.001, Power::On));
     // Released, the way is open again.
     board.inputs.axes[0].limits = [false; 2];
-    run(&mut system, &mut board, 1);
+    run(&mut system, &mut board, 2);
     system.machine_mut().push(&line([0.001, 0.0])).unwrap();
+}
+
+/// A spike of a single sample at each input, with 20 ticks between two of them: no limit switch stops the machine, whichever end; everything else
+/// acts.
+#[test]
+fn a_spike_stops_nothing_at_a_limit_switch_and_acts_elsewhere() {
+    for (row, (apply, fault, _)) in ROWS.into_iter().enumerate() {
+        let (mut system, mut board) = moving();
+        let quiet = board.inputs;
+        for _ in 0..5 {
+            apply(&mut board);
+            run(&mut system, &mut board, 1);
+            (board.inputs, board.stopped) = (quiet, false);
+            run(&mut system, &mut board, 20);
+        }
+        let power = system.machine().power();
+        assert_eq!(power == Power::On, wait(fault) == 1, "row {row}: {power:?}");
+    }
+}
+
+/// At the last counts that are allowed nothing happens, and the supply has the temperature: 80 °C to a count of 0.07 K.
+#[test]
+fn a_thermistor_at_its_limit_is_no_fault_and_tells_the_temperature() {
+    let (mut system, mut board) = moving();
+    assert_eq!(system.supply(), GOOD);
+    board.inputs.thermistor_counts = Some(462);
+    run(&mut system, &mut board, 10);
+    assert_eq!(system.machine().power(), Power::On);
+    let Supply { bus_mv, temperature_mc } = system.supply();
+    assert!(
+        bus_mv == GOOD.bus_mv && temperature_mc.is_some_and(|mc| (79_920..=80_000).contains(&mc)),
+        "{temperature_mc:?}"
+    );
 }
 
 /// Limits of the supply are those of the board: without limits no voltage is a fault.

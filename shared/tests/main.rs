@@ -7,6 +7,7 @@ mod control;
 mod direction_check;
 mod dual_feedback;
 mod enabling;
+mod figures;
 mod gain_change;
 mod homing;
 mod inputs;

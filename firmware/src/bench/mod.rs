@@ -7,6 +7,7 @@
 mod axis;
 mod brake;
 mod cogging;
+mod signals;
 
 use shared::capture::ChannelSteps;
 use shared::config::{AxisEnvelope, AxisSettings};
@@ -15,6 +16,7 @@ use shared::drive::{
     StatusLight, Supply, SupplyLimits, TickClock,
 };
 use shared::feedback::Reading;
+use shared::figures::{Thermistor, ThermistorSettings};
 use shared::homing::{AtLimit, Direction, HomingSettings, Mark};
 use shared::link::message::BoardSettings;
 use shared::link::{AdmittedSettings, Envelope, Identity, Times};
@@ -27,6 +29,7 @@ pub use axis::COUNT;
 use axis::{AxisPlant, Frozen, INDEX_M, LEAD_M, Surroundings};
 use brake::Brake;
 pub use cogging::{COGGING, CoggingWave};
+pub use signals::signals;
 
 /// Width of the dead zone between screw and table, m. Not declared in the machine file.
 pub const BACKLASH_M: [f64; AXES] = [14e-6, 0.0];
@@ -46,8 +49,15 @@ pub const WORKPIECE_M: f64 = -0.02;
 /// Distance of the limit switches beyond the travel, m.
 const LIMIT_SWITCH_M: f64 = 5e-3;
 
-/// Supply of the simulated power stages.
-const SUPPLY: Supply = Supply { bus_mv: Some(48_000), temperature_mc: Some(31_000) };
+/// Supply of the simulated power stages, whose temperature is that of a thermistor.
+const SUPPLY: Supply = Supply { bus_mv: Some(48_000), temperature_mc: None };
+
+/// The thermistor of the power stages.
+pub const THERMISTOR: ThermistorSettings =
+    ThermistorSettings { resistance_25_ohm: 10e3, beta_k: 3950.0, series_ohm: 10e3, full_counts: 4096 };
+
+/// Its counts at 31 °C: 10 kΩ·e^(3950·(1/304.15 − 1/298.15)) is 7.7 kΩ.
+pub const THERMISTOR_COUNTS: u16 = 1782;
 
 /// What no upload and no record in flash may exceed.
 pub static ENVELOPE: Envelope = Envelope {
@@ -215,16 +225,25 @@ impl Board<AXES, DriveSignal> for Bench {
     }
 
     fn inputs(&mut self) -> Inputs<AXES> {
-        let axes = self.axes.each_mut().map(|axis| AxisInputs {
+        let [x, _] = &self.axes;
+        let x_signals = signals(x.reading().motor);
+        let mut axes = self.axes.each_mut().map(|axis| AxisInputs {
             limits: axis.at_limits([TRAVEL_M[0] - LIMIT_SWITCH_M, TRAVEL_M[1] + LIMIT_SWITCH_M]),
             home: axis.is_below(HOME_SWITCH_M),
             motor_index: axis.take_index(),
             ..AxisInputs::NONE
         });
+        axes[0].signals = Some(x_signals);
         let [x, _] = &self.axes;
         let probe_touched = self.operator_inputs.x_workpiece && !x.is_below(WORKPIECE_M);
         let emergency_stop = self.operator_inputs.emergency_stop;
-        Inputs { axes, emergency_stop, probe_touched, supply: SUPPLY }
+        Inputs {
+            axes,
+            emergency_stop,
+            probe_touched,
+            supply: SUPPLY,
+            thermistor_counts: Some(THERMISTOR_COUNTS),
+        }
     }
 
     fn enable_switch_closed(&mut self) -> bool {
@@ -277,5 +296,7 @@ pub fn drive_system(
         machine.lose_reference(axis);
     }
     let system = DriveSystem::new(machine, outputs, switch, light);
+    let thermistor = Thermistor::new(&THERMISTOR, ENVELOPE.supply.max_temperature_mc);
+    let system = system.with_thermistor(thermistor.ok_or(SetupError::Converter)?);
     Ok(system.with_supply_limits(ENVELOPE.supply).with_tick_clock(TICK_CLOCK))
 }

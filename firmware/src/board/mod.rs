@@ -27,7 +27,7 @@ use stm32f4xx_hal::gpio::{Output, PC13, PinState, Pull};
 use stm32f4xx_hal::pac::{FLASH, Peripherals};
 use stm32f4xx_hal::prelude::*;
 
-use crate::setup::{self, AXES, AxisTable, SetupError};
+use crate::setup::{self, AXES, AxisTable, SetupError, TemperatureSensor};
 use converter::{Conversions, Converters};
 use dac::AnalogOutputs;
 use sensors::{Sensors, Timers};
@@ -42,7 +42,8 @@ pub struct Hardware {
     sensors: Sensors,
     converters: Converters,
     bus: LinearInput,
-    temperature: LinearInput,
+    /// `None`: a thermistor, whose counts are given to the drive system.
+    temperature: Option<LinearInput>,
     stages: Stages,
     /// Steps of the axes with step drives.
     steps: [Option<StepCounter>; AXES],
@@ -74,6 +75,14 @@ pub struct Parts {
 /// A converter's input by slope and offset, in the units of its value.
 fn linear_input([slope, offset]: [f64; 2]) -> Result<LinearInput, SetupError> {
     LinearInput::new(slope, offset).ok_or(SetupError::Converter)
+}
+
+/// The scale of a linear temperature sensor; `None`: a thermistor is fitted.
+fn linear_temperature() -> Result<Option<LinearInput>, SetupError> {
+    match core::hint::black_box(&setup::TEMPERATURE) {
+        TemperatureSensor::Linear(scale) => linear_input(*scale).map(Some),
+        TemperatureSensor::Thermistor(_) => Ok(None),
+    }
 }
 
 impl Parts {
@@ -145,7 +154,7 @@ impl Parts {
             sensors,
             converters,
             bus: linear_input([setup::BUS_MV_PER_COUNT, 0.0])?,
-            temperature: linear_input(setup::TEMPERATURE_MC)?,
+            temperature: linear_temperature()?,
             stages,
             steps: table.map(step_counter),
             fault_light: c.pc13.into_push_pull_output_in_state(PinState::High),
@@ -195,6 +204,7 @@ impl Hardware {
             motor_index: self.sensors.motor_index(axis),
             scale_index: self.sensors.scale_index(axis),
             bad_encoder_signal: !self.sensors.is_good(axis),
+            signals: self.sensors.signals(axis),
             ..self.switches.axis(axis, table)
         }
     }
@@ -209,8 +219,9 @@ impl Board<AXES, DriveSignal> for Hardware {
             probe_touched: self.switches.is_probe_touched(),
             supply: Supply {
                 bus_mv: Some(self.bus.value(bus).max(0).cast_unsigned()),
-                temperature_mc: Some(self.temperature.value(temperature)),
+                temperature_mc: self.temperature.map(|sensor| sensor.value(temperature)),
             },
+            thermistor_counts: self.temperature.is_none().then_some(temperature),
         }
     }
 

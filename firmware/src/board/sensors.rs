@@ -2,7 +2,8 @@
 
 use shared::axis::Reading;
 use shared::feedback::ScaleSignal;
-use shared::feedback::resolver::Resolver;
+use shared::feedback::resolver::{Resolver, Sample};
+use shared::figures::EncoderSignals;
 use shared::units::Position;
 use stm32f4xx_hal::pac::{TIM3, TIM4, TIM5, TIM8};
 use stm32f4xx_hal::rcc::Rcc;
@@ -23,10 +24,10 @@ pub struct Timers {
     pub y_scale: TIM8,
 }
 
-/// The sensor of a motor. A resolver is started by its first samples.
+/// The sensor of a motor. A resolver is started by its first samples, and has a sample from its first tick on.
 enum Motor<Timer> {
     Encoder(Quadrature<Timer>),
-    Resolver(Resolver, bool),
+    Resolver(Resolver, Option<Sample>),
 }
 
 impl<Timer: EncoderTimer<Count = u16>> Motor<Timer> {
@@ -39,7 +40,7 @@ impl<Timer: EncoderTimer<Count = u16>> Motor<Timer> {
                 // Position zero is at phase zero of its cycle.
                 let samples = settings.offset_counts.map(i16::unsigned_abs);
                 let resolver = Resolver::new(settings, samples).ok_or(SetupError::Encoder)?;
-                Ok(Self::Resolver(resolver, false))
+                Ok(Self::Resolver(resolver, None))
             }
         }
     }
@@ -47,9 +48,9 @@ impl<Timer: EncoderTimer<Count = u16>> Motor<Timer> {
     fn read(&mut self, samples: [u16; 2]) -> Position {
         match self {
             Self::Encoder(encoder) => encoder.position(),
-            Self::Resolver(resolver, is_good) => {
+            Self::Resolver(resolver, last) => {
                 let sample = resolver.read(samples);
-                *is_good = sample.is_good;
+                *last = Some(sample);
                 sample.position
             }
         }
@@ -66,7 +67,15 @@ impl<Timer: EncoderTimer<Count = u16>> Motor<Timer> {
     const fn is_good(&self) -> bool {
         match self {
             Self::Encoder(_) => true,
-            Self::Resolver(_, is_good) => *is_good,
+            Self::Resolver(_, Some(sample)) => sample.is_good,
+            Self::Resolver(_, None) => false,
+        }
+    }
+
+    const fn signals(&self) -> Option<EncoderSignals> {
+        match self {
+            Self::Resolver(_, Some(sample)) => Some(sample.signals),
+            Self::Encoder(_) | Self::Resolver(_, None) => None,
         }
     }
 }
@@ -137,6 +146,11 @@ impl Sensors {
         } else {
             self.y_scale.as_mut().and_then(Quadrature::take_index)
         }
+    }
+
+    /// The signals of the motor's sensor, if it has some.
+    pub const fn signals(&self, axis: usize) -> Option<EncoderSignals> {
+        if axis == 0 { self.x.signals() } else { self.y.signals() }
     }
 
     /// Whether the signals of the motor's sensor are good.

@@ -111,8 +111,10 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
     /// Whether an input forbids to push the axis of the check.
     fn has_input_fault(&self) -> bool {
         let inputs = self.inputs();
-        let axis = self.direction_check_run.as_ref().and_then(|run| inputs.axes.get(run.check.axis()));
-        let at_limit = axis.is_some_and(|axis| axis.limits != [false; 2]);
+        // Without any wait: its force has no loop, and with dead sensors the switch alone ends it.
+        let limits =
+            self.direction_check_run.as_ref().and_then(|run| self.limit_samples.get(run.check.axis()));
+        let at_limit = limits.is_some_and(|limits| *limits != [false; 2]);
         let on_axis = inputs.axes.iter().any(|axis| axis.drive_fault || axis.bad_encoder_signal);
         inputs.emergency_stop || on_axis || at_limit || self.supply_fault().is_some()
     }

@@ -2,16 +2,18 @@
 
 use super::amplifier::Amplifier;
 use super::board::Board;
+use super::debounce::Debounce;
 use super::direction_check::DirectionCheck;
 use super::enable_switch::{EnableSwitch, SwitchEvent};
 use super::enabling::{Enabling, NotArmed};
-use super::inputs::{Inputs, SupplyLimits};
+use super::inputs::{Inputs, Supply, SupplyLimits};
 use super::limit_guard::LimitGuard;
 use super::output::{Demand, DriveOutput};
 use super::sequence::Sequence;
 use super::status_light::StatusLight;
 use super::tick_watch::{TickClock, TickCounts, TickWatch};
 use crate::feedback::{OriginShift, Reading};
+use crate::figures::Thermistor;
 use crate::machine::{Machine, Output};
 use crate::safety::{Fault, FaultKind};
 use crate::scalar::Scalar;
@@ -35,6 +37,8 @@ pub struct DriveSystem<'m, S: Scalar, const N: usize, O = Amplifier<S>> {
     pub(super) direction_check_run: Option<DirectionCheckRun<S, N>>,
     enabling: Enabling,
     supply_limits: SupplyLimits,
+    /// The thermistor of the power stages, whose counts are among the inputs.
+    thermistor: Option<Thermistor>,
     limit_guard: LimitGuard<N>,
     pub(super) tick_watch: TickWatch,
     /// Origin of each axis, from the position at power-up.
@@ -44,9 +48,29 @@ pub struct DriveSystem<'m, S: Scalar, const N: usize, O = Amplifier<S>> {
     /// Forces of the last tick.
     pub(super) forces: [S; N],
     inputs: Inputs<N>,
+    pub(super) debounce: Debounce,
+    /// The limit switches as they are read, for a direction check.
+    pub(super) limit_samples: [[bool; 2]; N],
+    /// The last tick, and the one before it.
+    recent: [Moment<N>; 2],
     readings: [Reading; N],
     /// Whether the last tick has enabled the power stages.
     stages_enabled: bool,
+}
+
+/// What the axes were at the start of a tick.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moment<const N: usize> {
+    /// Readings from power-up.
+    pub readings: [Reading; N],
+    /// Commands.
+    pub commands: [Position; N],
+}
+
+impl<const N: usize> Moment<N> {
+    /// Before the first tick.
+    const NONE: Self =
+        Self { readings: [Reading { motor: Position(0), table: None }; N], commands: [Position(0); N] };
 }
 
 /// What a tick has read and computed.
@@ -73,6 +97,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
             switch,
             light,
             supply_limits: SupplyLimits::NONE,
+            thermistor: None,
             limit_guard: LimitGuard::new(),
             tick_watch: TickWatch::new(None),
             origins: [OriginShift { motor: 0, table: 0 }; N],
@@ -80,7 +105,10 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
             forces: [S::ZERO; N],
             direction_check_run: None,
             inputs: Inputs::NONE,
-            readings: [Reading { motor: Position(0), table: None }; N],
+            debounce: Debounce::NEW,
+            limit_samples: [[false; 2]; N],
+            recent: [Moment::NONE; 2],
+            readings: Moment::<N>::NONE.readings,
             enabling: Enabling::BySwitch,
             stages_enabled: false,
         }
@@ -123,6 +151,13 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
     #[must_use]
     pub const fn with_supply_limits(mut self, limits: SupplyLimits) -> Self {
         self.supply_limits = limits;
+        self
+    }
+
+    /// Sets the thermistor of the power stages, with its limit. A board that has one gives its counts among the inputs, and no temperature.
+    #[must_use]
+    pub const fn with_thermistor(mut self, thermistor: Thermistor) -> Self {
+        self.thermistor = Some(thermistor);
         self
     }
 
@@ -172,11 +207,15 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
     pub fn tick(&mut self, board: &mut impl Board<N, O::Signal>) -> Tick<S, N> {
         self.tick_watch.started(board.started_at(), self.stages_enabled);
         let event = self.switch.update(board.enable_switch_closed());
-        self.inputs = board.inputs();
+        let samples = board.inputs();
+        self.limit_samples = samples.axes.map(|axis| axis.limits);
+        self.inputs = self.debounce.update(samples);
         let from_power_up = board.readings();
         self.machine.set_limit_switches(self.inputs.axes.map(|axis| axis.limits));
         self.home_tick(&from_power_up);
-        self.probe_tick(&from_power_up);
+        self.probe_tick();
+        let [last, _] = self.recent;
+        self.recent = [Moment { readings: from_power_up, commands: self.machine.command() }, last];
         for ((reading, raw), origin) in self.readings.iter_mut().zip(from_power_up).zip(self.origins) {
             *reading = raw.shifted(origin);
         }
@@ -225,6 +264,12 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
         Tick { readings: self.readings, output }
     }
 
+    /// What the axes were some ticks before the present one, 1 or 2.
+    pub(super) fn before(&self, ticks: usize) -> &Moment<N> {
+        let [last, earlier] = &self.recent;
+        if ticks == 1 { last } else { earlier }
+    }
+
     pub(super) const fn disarm(&mut self) {
         if let Enabling::ByHost { armed } = &mut self.enabling {
             *armed = false;
@@ -233,7 +278,24 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
 
     /// The fault of the supply.
     pub(super) const fn supply_fault(&self) -> Option<Fault> {
-        self.supply_limits.fault(&self.inputs.supply)
+        match (self.supply_limits.fault(&self.inputs.supply), self.thermistor, self.inputs.thermistor_counts)
+        {
+            (None, Some(thermistor), Some(counts)) if thermistor.is_too_hot(counts) => {
+                Some(Fault::OverTemperature)
+            }
+            (fault, ..) => fault,
+        }
+    }
+
+    /// The supply, with the temperature of a thermistor. Not for a tick.
+    #[must_use]
+    pub fn supply(&self) -> Supply {
+        match (self.thermistor, self.inputs.thermistor_counts) {
+            (Some(thermistor), Some(counts)) => {
+                Supply { temperature_mc: thermistor.temperature_mc(counts), ..self.inputs.supply }
+            }
+            _ => self.inputs.supply,
+        }
     }
 
     /// Raises the faults of the inputs. Drives that have come on in this tick go off again at once, also by a fault that would stop a

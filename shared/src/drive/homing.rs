@@ -66,9 +66,11 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
         let (at_rest, is_on) = (self.machine().is_at_rest(), self.machine().power() == Power::On);
         let axis_inputs = self.inputs().axes;
         let (commands, forces) = (self.machine().command(), self.forces);
-        let (Some(input), Some(reading), Some(command), Some(force), Some(origin)) = (
+        let edge = self.before(self.debounce.ticks_since_home(axis)).readings;
+        let (Some(input), Some(reading), Some(edge), Some(command), Some(force), Some(origin)) = (
             axis_inputs.get(axis),
             from_power_up.get(axis),
+            edge.get(axis),
             commands.get(axis),
             forces.get(axis),
             self.origins.get(axis),
@@ -83,6 +85,7 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
         let Some((_, Sequence::Homing(homing))) = &mut self.sequence else { return };
         let action = homing.tick(&HomingInput {
             home: input.home,
+            home_reading: edge.shifted(*origin),
             limits: input.limits,
             reading: reading.shifted(*origin),
             command: *command,

@@ -11,6 +11,7 @@
 //! assert_eq!(limits.fault(&supply), Some(Fault::BusOvervoltage));
 //! ```
 
+use crate::figures::EncoderSignals;
 use crate::safety::Fault;
 use crate::units::Position;
 
@@ -25,6 +26,8 @@ pub struct Inputs<const N: usize> {
     pub probe_touched: bool,
     /// Supply of the power stages.
     pub supply: Supply,
+    /// Counts of the thermistor of the hottest power stage; `None`: there is none ([`super::DriveSystem::with_thermistor`]).
+    pub thermistor_counts: Option<u16>,
 }
 
 impl<const N: usize> Inputs<N> {
@@ -34,6 +37,7 @@ impl<const N: usize> Inputs<N> {
         emergency_stop: false,
         probe_touched: false,
         supply: Supply::NOT_MEASURED,
+        thermistor_counts: None,
     };
 }
 
@@ -52,6 +56,8 @@ pub struct AxisInputs {
     pub drive_fault: bool,
     /// Whether the signals of the motor encoder or resolver are outside their amplitudes.
     pub bad_encoder_signal: bool,
+    /// Sine and cosine of that encoder or resolver; `None`: the sensor has none.
+    pub signals: Option<EncoderSignals>,
 }
 
 impl AxisInputs {
@@ -63,6 +69,7 @@ impl AxisInputs {
         scale_index: None,
         drive_fault: false,
         bad_encoder_signal: false,
+        signals: None,
     };
 }
 

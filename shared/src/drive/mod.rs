@@ -7,6 +7,7 @@ pub mod amplifier;
 pub mod analog;
 pub mod any_output;
 pub mod board;
+pub mod debounce;
 pub mod direction_check;
 mod direction_check_tick;
 pub mod drive_system;

@@ -4,7 +4,7 @@ use super::drive_system::DriveSystem;
 use super::output::DriveOutput;
 use super::sequence::Sequence;
 use crate::feedback::Reading;
-use crate::probing::{ProbeError, ProbeInput, ProbeSettings, ProbeStatus, Probing};
+use crate::probing::{ProbeError, ProbeInput, ProbeSettings, ProbeStatus, Probing, Touch};
 use crate::safety::Power;
 use crate::scalar::Scalar;
 
@@ -34,20 +34,25 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
     }
 
     /// The part of a probing in a tick, before the machine's.
-    pub(super) fn probe_tick(&mut self, from_power_up: &[Reading; N]) {
+    pub(super) fn probe_tick(&mut self) {
         if !matches!(self.probe_status(), Some((_, ProbeStatus::Running))) {
             return;
         }
         let (at_rest, is_on) = (self.machine().is_at_rest(), self.machine().power() == Power::On);
         let (touched, commands) = (self.inputs().probe_touched, self.machine().command());
+        let edge = *self.before(self.debounce.ticks_since_touch(N));
         let Some((axis, Sequence::Probing(probing))) = &mut self.sequence else { return };
-        let (Some(reading), Some(command), Some(origin)) =
-            (from_power_up.get(*axis), commands.get(*axis), self.origins.get(*axis))
-        else {
+        let (Some(reading), Some(at_edge), Some(command), Some(origin)) = (
+            edge.readings.get(*axis),
+            edge.commands.get(*axis),
+            commands.get(*axis),
+            self.origins.get(*axis),
+        ) else {
             return;
         };
-        let reading = reading.shifted(*origin);
-        if probing.tick(&ProbeInput { touched, reading, command: *command, at_rest, is_on }) {
+        let Reading { motor, table } = reading.shifted(*origin);
+        let touch = Touch { command: *at_edge, motor, table };
+        if probing.tick(&ProbeInput { touched, touch, command: *command, at_rest, is_on }) {
             self.machine_mut().halt();
         }
     }

@@ -7,7 +7,7 @@
 //!
 //! The amplitude of good signals is constant. Below its limits a wire is broken, a magnet too far or a lamp too dark; above
 //! them a converter saturates, or a short circuit adds to a signal. The check is made in every tick, in integers, on the square:
-//! no root is taken. [`Sample::amplitude_counts`] gives the amplitude itself for a display, outside of the tick.
+//! no root is taken. [`Sample::signals`] has what a display needs ([`EncoderSignals::figures`]), outside of the tick.
 //!
 //! A single bad sample makes a wrong position, because the next phase is taken to be within half a cycle: so it is a fault
 //! at once ([`EncoderSignal`](crate::safety::FaultKind::EncoderSignal)). The position holds while the signals are bad.
@@ -28,6 +28,7 @@
 
 use super::phase::Phase;
 use super::transducer::Transducer;
+use crate::figures::EncoderSignals;
 use crate::units::Position;
 
 /// Fraction bits of the ratio of the gains.
@@ -65,8 +66,10 @@ pub struct Resolver {
     transducer: Transducer,
     offsets: [i32; 2],
     ratio: i32,
+    /// Least and greatest amplitude, counts.
+    limits: [u16; 2],
     /// Least and greatest amplitude².
-    limits: [u32; 2],
+    squared_limits: [u32; 2],
     position: Position,
 }
 
@@ -79,14 +82,8 @@ pub struct Sample {
     pub is_good: bool,
     /// Amplitude², counts².
     pub amplitude_squared: u32,
-}
-
-impl Sample {
-    /// Amplitude in counts, for a display. Not for a tick.
-    #[must_use]
-    pub fn amplitude_counts(&self) -> f32 {
-        libm::sqrtf(self.amplitude_squared as f32)
-    }
+    /// The signals without their errors, with the limits of their amplitude.
+    pub signals: EncoderSignals,
 }
 
 impl Resolver {
@@ -107,7 +104,8 @@ impl Resolver {
             transducer: Transducer::new(settings.distance_m, settings.cycles, Phase(0))?,
             offsets: settings.offset_counts.map(i32::from),
             ratio,
-            limits: [min * min, max * max],
+            limits: settings.amplitude_counts,
+            squared_limits: [min * min, max * max],
             position: Position(0),
         };
         let [sine, cosine] = resolver.corrected(first);
@@ -132,12 +130,13 @@ impl Resolver {
         let [sine, cosine] = self.corrected(samples);
         let square = |value: i32| u64::from(value.unsigned_abs()) * u64::from(value.unsigned_abs());
         let amplitude_squared = u32::try_from(square(sine).wrapping_add(square(cosine))).unwrap_or(u32::MAX);
-        let [min, max] = self.limits;
+        let [min, max] = self.squared_limits;
         let is_good = (min..=max).contains(&amplitude_squared);
         if let Some(phase) = Phase::from_samples(sine, cosine, 1).filter(|_| is_good) {
             self.position = self.transducer.read(phase);
         }
-        Sample { position: self.position, is_good, amplitude_squared }
+        let signals = EncoderSignals { sine, cosine, limits: self.limits };
+        Sample { position: self.position, is_good, amplitude_squared, signals }
     }
 }
 
@@ -177,7 +176,9 @@ mod tests {
                 prop_assert!(sample.is_good);
                 let error_rad = (sample.position.to_m() / 0.005 - turns) * TAU;
                 prop_assert!(error_rad.abs() < 2.0 * (2.0 * 0.71 / amplitude + 3.1e-5), "{error_rad}");
-                prop_assert!((f64::from(sample.amplitude_counts()) - amplitude).abs() < 2.0);
+                let figures = sample.signals.figures();
+                prop_assert!((f64::from(figures.amplitude_counts) - amplitude).abs() < 2.0);
+                prop_assert_eq!(sample.signals.limits, [900, 1700]);
             }
         }
 

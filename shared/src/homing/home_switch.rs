@@ -192,9 +192,10 @@ impl Homing {
         }
     }
 
-    /// The edge of the switch in the approach.
+    /// The edge of the switch in the approach: where its first sample was. A pulse that comes before the switch is seen is missed, and the next
+    /// one is too far from the edge.
     fn edge(&mut self, input: &HomingInput) -> Option<HomingAction> {
-        let Reading { motor, table } = input.reading;
+        let Reading { motor, table } = input.home_reading;
         match self.settings.mark {
             Mark::SwitchEdge => self.mark_at(motor, table),
             Mark::MotorIndex { .. } => {

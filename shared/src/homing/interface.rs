@@ -7,8 +7,10 @@ use crate::units::Position;
 /// What the homing of an axis sees in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HomingInput {
-    /// Home switch.
+    /// Home switch, of two of the last three samples.
     pub home: bool,
+    /// Readings of the first of these samples, if the switch has just become active.
+    pub home_reading: Reading,
     /// Limit switches at the negative and the positive end.
     pub limits: [bool; 2],
     /// Present readings.

@@ -3,6 +3,7 @@
 mod excitation;
 mod feed_override;
 mod halts;
+mod measuring;
 mod probing;
 mod rest;
 mod settings;
@@ -20,6 +21,7 @@ use crate::drive::direction_check::DirectionCheckSettings;
 use crate::drive::{AnyOutput, Board, DriveSignal, DriveSystem};
 use crate::excitation::Excitation;
 use crate::feedback::Reading;
+use crate::figures::RmsMeter;
 use crate::homing::{HardStopSettings, HomingError, HomingSettings};
 use crate::interpolate::feed_hold::FeedState;
 use crate::interpolate::{Block, PathError};
@@ -52,6 +54,8 @@ pub struct HostedDrive<'m, S: Scalar, const N: usize> {
     readings: [Reading; N],
     /// Forces since the last tick.
     forces: [S; N],
+    /// Sums of squares of following errors and forces, over a second.
+    rms_meter: RmsMeter<N>,
 }
 
 impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
@@ -82,6 +86,7 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
             tick: 0,
             readings: [Reading { motor: Position(0), table: None }; N],
             forces: [S::ZERO; N],
+            rms_meter: RmsMeter::new(tick_hz),
         }
     }
 
@@ -121,6 +126,7 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
             self.blocks_left = 0;
             self.end_override();
         }
+        self.measure(&tick.output.commands);
         self.tick += 1;
     }
 

@@ -10,6 +10,7 @@ use crate::capture::{CaptureState, ChannelSteps};
 use crate::config::Rates;
 use crate::drive::direction_check::DirectionResult;
 use crate::drive::{Supply, TickCounts};
+use crate::figures::{AxisRms, SignalFigures};
 use crate::homing::{HomingError, HomingSettings};
 use crate::interpolate::PathError;
 use crate::interpolate::feed_hold::FeedState;
@@ -109,6 +110,10 @@ pub struct AxisStatus {
     pub force_n: f32,
     /// Whether the position refers to the reference of the axis.
     pub homed: bool,
+    /// The signals of its motor sensor, if it has some.
+    pub signals: Option<SignalFigures>,
+    /// Following error and force over the last complete second with the drives on.
+    pub rms: Option<AxisRms>,
 }
 
 /// The homing that ran last, if no probing has run since.

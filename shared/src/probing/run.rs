@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::{ProbeError, ProbeSettings};
-use crate::feedback::Reading;
 use crate::homing::LegMotion;
 use crate::interpolate::PathError;
 use crate::units::{PER_M, Position};
@@ -11,10 +10,10 @@ use crate::units::{PER_M, Position};
 /// What a probing sees in a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProbeInput {
-    /// Whether the probe is touched.
+    /// Whether the probe is touched, by two of the last three samples.
     pub touched: bool,
-    /// Present readings.
-    pub reading: Reading,
+    /// The positions of the first of these samples, if it has just been touched.
+    pub touch: Touch,
     /// Present command: that of the last position tick.
     pub command: Position,
     /// Whether the path is done and the command is at rest.
@@ -23,7 +22,7 @@ pub struct ProbeInput {
     pub is_on: bool,
 }
 
-/// The positions of the tick in which the probe was seen to be touched.
+/// The positions of the tick of the first sample with the probe touched, of the two of three by which it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Touch {
     /// Command.
@@ -45,13 +44,17 @@ pub enum ProbeStatus {
     Failed(ProbeError),
 }
 
+/// Ticks of a motion in which a touch is one of an axis that has not moved: the first one, and two more until two of three samples have
+/// seen what touched in it. At 10 m/s² the axis moves by 0.1 µm in them.
+const START_TICKS: u8 = 3;
+
 /// What a probing waits for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
     /// The approach is to be planned.
     Planning,
-    /// The approach was planned, and no tick has seen it yet.
-    Starting,
+    /// The approach was planned, and this many ticks have seen it.
+    Starting(u8),
     Approaching,
     /// Decelerating behind the touch.
     Stopping(Touch),
@@ -103,7 +106,7 @@ impl Probing {
     /// The motion of [`Probing::leg_to_plan`] was planned, or rejected by the path.
     pub const fn leg_planned(&mut self, planned: Result<(), PathError>) {
         self.phase = match (self.phase, planned) {
-            (Phase::Planning, Ok(())) => Phase::Starting,
+            (Phase::Planning, Ok(())) => Phase::Starting(0),
             (Phase::PlanningBack(touch, _), Ok(())) => Phase::Retracting(touch),
             (Phase::Planning | Phase::PlanningBack(..), Err(error)) => {
                 Phase::Ended(Err(ProbeError::Path(error)))
@@ -135,14 +138,14 @@ impl Probing {
         match self.phase {
             Phase::Planning | Phase::PlanningBack(..) | Phase::Ended(_) => false,
             // The axis has not moved, so that it has not touched anything.
-            Phase::Starting if input.touched => self.fail(ProbeError::Active),
-            Phase::Starting => {
-                self.phase = Phase::Approaching;
+            Phase::Starting(_) if input.touched => self.fail(ProbeError::Active),
+            Phase::Starting(seen) => {
+                self.phase =
+                    if seen + 1 < START_TICKS { Phase::Starting(seen + 1) } else { Phase::Approaching };
                 false
             }
             Phase::Approaching if input.touched => {
-                let Reading { motor, table } = input.reading;
-                self.phase = Phase::Stopping(Touch { command: input.command, motor, table });
+                self.phase = Phase::Stopping(input.touch);
                 true
             }
             Phase::Approaching => input.at_rest && self.fail(ProbeError::NotTouched),

@@ -181,3 +181,35 @@ fn a_limit_switch_is_a_fault_outside_of_a_homing_alone() {
     assert_eq!(system.machine().power(), Power::On);
     assert!(board.at_m > at_switch_m + 4e-3);
 }
+
+/// The edge of the switch is the mark, in an approach of 1 µm in a tick: its place is that of the first sample on the switch, so that the reading r of
+/// an axis at x is mark + x − edge + 0 … 1 µm, less or more by a count of 0.25 µm of each of both readings, and a twentieth for the ripple of
+/// the speed; the same with a spike at the switch every 15 ms, on it and beside it.
+#[test]
+fn the_edge_of_the_switch_is_its_first_sample_and_no_spike() {
+    const EDGE_M: f64 = 0.026;
+    for spike_every in [0, 307] {
+        for start_m in [0.05, 0.0503, 0.0507, 0.0601, 0.0702, 0.022] {
+            let mut board = TestBoard::at(start_m);
+            board.spike_every = spike_every;
+            let mut system = TestBoard::system();
+            board.enable(&mut system);
+            let settings = shared::homing::HomingSettings {
+                mark: Mark::SwitchEdge,
+                approach_speed_m_per_s: 0.02,
+                ..homing()
+            };
+            let ended = run_homing(&mut board, &mut system, &settings);
+            assert_eq!(ended, HomingStatus::Homed, "from {start_m} m, spikes every {spike_every} samples");
+            let true_m = board.at_m - EDGE_M + settings.mark_position_m;
+            let [reading] = *system.readings();
+            for read in [reading.motor, reading.table.unwrap()] {
+                let beyond_um = 1e6 * (read.to_m() - true_m);
+                assert!(
+                    (-0.26..1.05 + 0.26).contains(&beyond_um),
+                    "{start_m} m, {spike_every}: {beyond_um} µm"
+                );
+            }
+        }
+    }
+}

@@ -80,6 +80,9 @@ pub struct TestBoard {
     /// Place at power-up, where both counters are zero.
     start_m: f64,
     previous_m: f64,
+    /// Every so many samples of the home switch one reads the opposite; 0: none does.
+    pub spike_every: u32,
+    samples: u32,
     duty: Duty,
     enabled: bool,
 }
@@ -94,6 +97,8 @@ impl TestBoard {
             scale_index_m: 0.0217,
             start_m: at_m,
             previous_m: at_m,
+            spike_every: 0,
+            samples: 0,
             duty: Duty::default(),
             enabled: false,
         }
@@ -137,9 +142,11 @@ impl Board<1> for TestBoard {
         let cell = |m: f64| ((m - self.index_m) / 0.005).floor();
         let (from, to) = (self.previous_m.min(self.at_m), self.previous_m.max(self.at_m));
         let index = (cell(from) < cell(to)).then(|| self.count(self.index_m + 0.005 * cell(to)));
+        self.samples += 1;
+        let is_spike = self.spike_every > 0 && self.samples.is_multiple_of(self.spike_every);
         let axis = AxisInputs {
             limits: [self.at_m < 0.005, self.at_m > 0.115],
-            home: (0.020..=0.026).contains(&self.at_m),
+            home: (0.020..=0.026).contains(&self.at_m) != is_spike,
             motor_index: index,
             scale_index: (from..to).contains(&self.scale_index_m).then(|| self.count(self.scale_index_m)),
             ..AxisInputs::NONE

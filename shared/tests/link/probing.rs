@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use shared::link::Refusal;
 use shared::link::message::{Reply, Request};
 use shared::link::refusal::SettingProblem;
-use shared::link::report::Activity;
+use shared::link::report::{Activity, AxisStatus};
 use shared::probing::{ProbeError, ProbeSettings, ProbeStatus, Touch};
 use shared::safety::Power;
 use shared::units::PER_NM;
@@ -77,6 +77,53 @@ proptest! {
         let tick = rig.logged.iter().position(|readings| readings[0].motor == touch.motor).unwrap();
         let before_m = sign * rig.logged[tick - 1][0].motor.to_m() - at_m;
         prop_assert!(before_m < count_m, "{before_m} m");
+    }
+}
+
+/// A sample of the probe that differs from its neighbours, every 13 ms, stops nothing: the latched reading is that of the surface, within the way
+/// of a tick and a count.
+#[test]
+fn a_spike_is_no_touch() {
+    let mut rig = Rig::enabled();
+    rig.plant.workpiece_m = Some(AT_M);
+    rig.plant.contact.spike_every = 257;
+    let touch = touched(probe(&mut rig, PROBE));
+    let behind_m = touch.motor.to_m() - AT_M;
+    let (way_m, count_m) = (PROBE.speed_m_per_s / f64::from(TICK_HZ), COUNT as f64 / PER_NM as f64 * 1e-9);
+    assert!((-count_m..=1.05 * way_m + count_m).contains(&behind_m), "{behind_m} m");
+}
+
+/// The axis is stopped a tick after the first sample of a touch, or two if the contact bounces between: beyond the latched command it goes by v²/(2a),
+/// by what the command moves in this time, and by half of a position tick either way. The readings and the command are those of the first sample
+/// in both cases.
+#[test]
+fn the_first_sample_of_a_touch_is_latched_also_with_a_bounce() {
+    let v = PROBE.speed_m_per_s;
+    let way_m = v * v / (2.0 * settings().axes[0].stop_deceleration_m_per_s2);
+    let position_tick_m = v / settings().rates.position_loop_hz();
+    for (bounces, ticks) in [(false, 1.0), (true, 2.0)] {
+        let mut rig = Rig::enabled();
+        rig.plant.workpiece_m = Some(AT_M);
+        rig.plant.contact.bounces = bounces;
+        assert_eq!(rig.request(&request(ProbeSettings { retracts: false, ..PROBE })), Reply::Done);
+        let now = |rig: &Rig| rig.drive.status(Default::default(), Default::default()).axes[0];
+        let (mut before, mut first) = (now(&rig).command, None);
+        for _ in 0..2 * TICK_HZ {
+            rig.run(1);
+            rig.drive.heard();
+            let AxisStatus { command, motor, table, .. } = now(&rig);
+            if first.is_none() && rig.plant.contact.touched_samples == 1 {
+                // A tick starts with the command of the tick before.
+                first = Some(Touch { command: before, motor, table });
+            }
+            before = command;
+        }
+        let latched = touched(status(&rig).unwrap());
+        assert_eq!(Some(latched), first, "bounces: {bounces}");
+        let beyond_m = now(&rig).command.to_m() - latched.command.to_m() - way_m;
+        let least_m = -0.5 * position_tick_m - 1e-12;
+        let most_m = ticks * v / f64::from(TICK_HZ) + position_tick_m + 1e-12;
+        assert!((least_m..most_m).contains(&beyond_m), "{beyond_m} m beyond, {least_m} to {most_m}");
     }
 }
 

@@ -114,6 +114,29 @@ pub struct TestPlant {
     pub workpiece_m: Option<f64>,
     /// Active limit switches of each axis, at the negative and the positive end.
     pub limits: [[bool; 2]; 2],
+    pub contact: Contact,
+}
+
+/// How the contact of the probe is.
+#[derive(Default)]
+pub struct Contact {
+    /// Every so many samples one reads the opposite; 0: none does.
+    pub spike_every: u32,
+    /// The second sample of a touch reads not touched.
+    pub bounces: bool,
+    /// Samples, and those since the probe has touched.
+    pub samples: u32,
+    pub touched_samples: u32,
+}
+
+impl Contact {
+    /// The sample of a probe that touches or does not.
+    const fn sample(&mut self, touches: bool) -> bool {
+        self.samples += 1;
+        self.touched_samples = if touches { self.touched_samples + 1 } else { 0 };
+        let is_spike = self.spike_every > 0 && self.samples.is_multiple_of(self.spike_every);
+        touches != is_spike && !(self.bounces && self.touched_samples == 2)
+    }
 }
 
 impl TestPlant {
@@ -148,7 +171,8 @@ impl Board<2, DriveSignal> for TestPlant {
         let [x_m, _] = self.position_m;
         let home = self.home_switch_m.is_some_and(|[from_m, to_m]| (from_m..=to_m).contains(&x_m));
         let [x, y] = self.limits.map(|limits| AxisInputs { limits, ..AxisInputs::NONE });
-        let probe_touched = self.workpiece_m.is_some_and(|at_m| at_m.signum() * (x_m - at_m) >= 0.0);
+        let touches = self.workpiece_m.is_some_and(|at_m| at_m.signum() * (x_m - at_m) >= 0.0);
+        let probe_touched = self.contact.sample(touches);
         Inputs { axes: [AxisInputs { home, ..x }, y], probe_touched, ..Inputs::NONE }
     }
 

@@ -71,6 +71,26 @@ fn the_tick_of_the_servo_board_cannot_panic() {
     assert_panic_free(&image, &walk(&image, &[tick]), 5, 2500);
 }
 
+/// The figures for people are in the programs of both boards, and the tick reaches none of their functions.
+#[test]
+fn no_tick_reaches_the_figures_for_people() {
+    for (name, base, exception) in [("board", FLASH, TICK), ("servo", 0, 15)] {
+        let image = program(name);
+        let is_figure = |name: &str| {
+            ["7figures11square_root", "7figures9logarithm", "7figures9phase_deg", "micromath"]
+                .iter()
+                .any(|function| name.contains(function))
+        };
+        // The functions that the compiler may not inline.
+        assert!(image.named(is_figure).len() >= 3, "{name}: {}", image.named(is_figure).len());
+        let tick = Vectors::read(&image, base).handler(exception);
+        let walk = walk(&image, &[tick]);
+        let reached = walk.reached.keys().flat_map(|start| &image.functions[start].names);
+        let figures: Vec<&String> = reached.filter(|name| is_figure(name)).collect();
+        assert!(figures.is_empty(), "{name}: {figures:?}");
+    }
+}
+
 /// Machine code by hand at 0x1000: a tick with a tail call of a function that calls a panic.
 #[test]
 fn a_panic_behind_a_tail_call_is_found_and_data_is_not_decoded() {

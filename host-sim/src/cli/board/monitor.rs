@@ -103,7 +103,10 @@ fn line(status: &Status, tick_hz: f64) -> String {
     let axes = AXIS_NAMES.iter().zip(&status.axes).map(|(name, axis)| {
         let [command, motor] = [axis.command, axis.motor].map(|position| 1e3 * position.to_m());
         let error_um = 1e3 * (command - motor);
-        format!("{name} {motor:.4} mm, error {error_um:.2} µm, {:.1} N", axis.force_n)
+        let rms = axis.rms.map_or_else(String::new, |rms| {
+            format!(" (rms of a second: {:.2} µm, {:.1} N)", f64::from(rms.error_nm) / 1e3, rms.force_n)
+        });
+        format!("{name} {motor:.4} mm, error {error_um:.2} µm, {:.1} N{rms}", axis.force_n)
     });
     let axes: Vec<String> = axes.collect();
     let TickCounts { late, missed, .. } = status.ticks;

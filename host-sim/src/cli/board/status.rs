@@ -6,9 +6,10 @@ use super::port::PortArguments;
 use crate::cli::outputs::print;
 use ::board::refusal::{self, AXIS_NAMES};
 use shared::drive::TickCounts;
+use shared::figures::SignalFigures;
 use shared::interpolate::feed_hold::FeedState;
 use shared::link::feed_override::FeedOverride;
-use shared::link::report::{Activity, DirectionReport, UsbState};
+use shared::link::report::{Activity, AxisStatus, DirectionReport, UsbState};
 use shared::link::{Status, Welcome};
 use shared::safety::Power;
 
@@ -79,6 +80,7 @@ fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
             axis.force_n
         ));
     }
+    lines.extend(AXIS_NAMES.iter().zip(&status.axes).filter_map(|(name, axis)| figures(name, axis)));
     lines.extend(direction(status.direction));
     lines.extend(usb(status.usb).map(str::to_owned));
     let link = &status.link;
@@ -87,6 +89,22 @@ fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
         link.packets, link.too_long, link.too_short, link.encoding, link.checksum, link.version
     ));
     lines
+}
+
+/// What is known of the last second of an axis, and of the signals of its motor sensor.
+fn figures(name: &str, axis: &AxisStatus) -> Option<String> {
+    let rms = axis.rms.map(|rms| {
+        format!("rms of a second: error {:.2} µm, force {:.1} N", f64::from(rms.error_nm) / 1e3, rms.force_n)
+    });
+    let signals = axis.signals.map(|signals| {
+        let SignalFigures { amplitude_counts, level_db, phase_deg, health_percent } = signals;
+        format!(
+            "signals: {amplitude_counts:.0} counts, {level_db:+.2} dB from the middle of their limits; phase {:.2} of a period, health {health_percent:.0} %",
+            phase_deg / 360.0
+        )
+    });
+    let parts: Vec<String> = rms.into_iter().chain(signals).collect();
+    (!parts.is_empty()).then(|| format!("{name}: {}", parts.join("; ")))
 }
 
 /// The late and missed ticks in words, with a delay of at least half a period: shorter ones are those of the requests of the host.

@@ -101,6 +101,7 @@ impl Axis {
         HomingInput {
             home: (from..=to).contains(&self.at_m),
             limits: [self.at_m < 0.005, self.at_m > 0.195],
+            home_reading: self.reading(self.at_m),
             reading: self.reading(self.at_m),
             command: Position(0),
             at_force_limit: None,

@@ -32,9 +32,11 @@ impl<S: Scalar> HostedDrive<'_, S, AXES> {
                 #[expect(clippy::cast_possible_truncation, reason = "for display")]
                 force_n: self.forces[axis].value() as f32,
                 homed: machine.reference(axis) == Some(Reference::Homed),
+                signals: self.system.inputs().axes[axis].signals.map(|signals| signals.figures()),
+                rms: self.rms_meter.axis(axis),
             }),
             ticks: self.system.tick_counts(),
-            supply: self.system.inputs().supply,
+            supply: self.system.supply(),
             homing: match self.system.homing_status() {
                 None => HomingReport::None,
                 Some((_, HomingStatus::Running)) => HomingReport::Running,

@@ -15,8 +15,8 @@ fn position(m: f64) -> Position {
 /// Drives on, an axis whose sensors are exact.
 fn input(m: f64, touched: bool) -> ProbeInput {
     let motor = position(m);
-    let reading = Reading { motor, table: Some(motor) };
-    ProbeInput { touched, reading, command: motor, at_rest: false, is_on: true }
+    let touch = Touch { command: motor, motor, table: Some(motor) };
+    ProbeInput { touched, touch, command: motor, at_rest: false, is_on: true }
 }
 
 /// A probing whose approach has begun.
@@ -24,7 +24,9 @@ fn approaching(settings: &ProbeSettings) -> Probing {
     let mut probing = Probing::new(settings).unwrap();
     assert_eq!(probing.leg_to_plan().map(|leg| leg.distance_m), Some(settings.distance_m));
     probing.leg_planned(Ok(()));
-    assert!(!probing.tick(&input(0.0, false)) && probing.leg_to_plan().is_none());
+    for _ in 0..3 {
+        assert!(!probing.tick(&input(0.0, false)) && probing.leg_to_plan().is_none());
+    }
     probing
 }
 
@@ -85,11 +87,20 @@ fn what_ends_it_has_a_name() {
         ProbeStatus::Failed(error) => error,
         other => panic!("{other:?}"),
     };
-    // In the first tick of the motion, in which nothing can have been touched.
-    let mut probing = Probing::new(&SETTINGS).unwrap();
-    probing.leg_planned(Ok(()));
-    assert!(probing.tick(&input(0.0, true)));
-    assert_eq!(failed(&probing), ProbeError::Active);
+    // In the first three ticks of the motion, in which nothing can have been touched; not in the fourth.
+    for free in 0..4 {
+        let mut probing = Probing::new(&SETTINGS).unwrap();
+        probing.leg_planned(Ok(()));
+        for _ in 0..free {
+            assert!(!probing.tick(&input(0.0, false)));
+        }
+        assert!(probing.tick(&input(0.0, true)));
+        if free < 3 {
+            assert_eq!(failed(&probing), ProbeError::Active, "{free} ticks");
+        } else {
+            assert_eq!(probing.status(), ProbeStatus::Running);
+        }
+    }
     let mut probing = approaching(&SETTINGS);
     assert!(probing.tick(&ProbeInput { at_rest: true, ..input(0.05, false) }));
     assert_eq!(failed(&probing), ProbeError::NotTouched);

@@ -7,6 +7,7 @@ mod document;
 mod drives;
 mod emulated_board;
 mod envelope;
+mod figures;
 mod halts;
 mod hard_stop;
 mod idle;

@@ -20,6 +20,7 @@ fn at_distance(
     let action = homing.tick(&HomingInput {
         home: true,
         limits: [false; 2],
+        home_reading: Reading { motor: EDGE, table: Some(EDGE) },
         reading: Reading { motor: at.unwrap(), table: at },
         command: Position(0),
         at_force_limit: None,
