@@ -154,6 +154,10 @@ impl EffectModel for StraightnessMap {
         asked.next().map(|one| self.with_knots(one.knots.max(more)))
     }
 
+    fn describes_any_shape_over_other(&self) -> Option<Stage> {
+        Some(Stage::Tool)
+    }
+
     fn distinction(&self) -> Distinction<'_> {
         Distinction::Source(&self.source)
     }

@@ -40,15 +40,15 @@ pub fn samples(data: &FitData<'_>, residuals: &[ResidualSeries], stage: Stage) -
     samples
 }
 
-/// The samples of the tool stage that count, over the position of another axis and its direction; without the dependence on what
-/// [`samples`] are without, and on velocity and acceleration of the other axis.
+/// The samples of the tool stage that count, over position and direction of any axis; without a linear dependence on position, velocity and
+/// acceleration of that axis and of their own.
 #[must_use]
-pub fn samples_over_other(data: &FitData<'_>, residuals: &[ResidualSeries], other: usize) -> Vec<Sample> {
+pub fn samples_over(data: &FitData<'_>, residuals: &[ResidualSeries], axis: usize) -> Vec<Sample> {
     let mut rows = Vec::new();
     let mut samples = Vec::new();
     for series in residuals.iter().filter(|series| series.stage == Stage::Tool) {
         let log = &data.logs[series.log];
-        let both = [data.axis, other].map(|axis| log.axes[axis].table_or_motor());
+        let both = [data.axis, axis].map(|axis| log.axes[axis].table_or_motor());
         let [Some(own), Some(source)] = both else { continue };
         let counts = data.counting(Stage::Tool, series.log);
         let fold_of = |i: usize| i * BLOCKS / series.values.len() % FOLDS;

@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::position_spectrum::waves;
-use super::residual_samples::{Sample, samples, samples_over_other, solve};
+use super::residual_samples::{Sample, samples, samples_over, solve};
 use crate::fit::fit_data::{FitData, ResidualSeries};
 use crate::fit::normal_equations::FOLDS;
 use crate::fit::scope::{Scope, ShownIn};
@@ -60,7 +60,8 @@ pub fn shape(
     }
 }
 
-/// How the tool residual depends on the positions of the other axes.
+/// How the tool residual depends on the positions of the other axes, if one of them explains more of it than that of the axis itself: on a circle,
+/// a defect at a place of one axis is one at two places of the other.
 fn over_others(
     data: &FitData<'_>,
     residuals: &[ResidualSeries],
@@ -70,12 +71,16 @@ fn over_others(
     if scope.stages != [Stage::Tool] || scope.shown_in != ShownIn::default() {
         return Vec::new();
     }
+    let travel_of = |axis: usize| FitData { axis, ..*data }.travel_mm();
+    let curve_over = |axis: usize| {
+        let samples = samples_over(data, residuals, axis);
+        Curves { counts: &KNOTS, travel_mm: travel_of(axis), min_share }.best(&samples, false, None)
+    };
+    let by_own = curve_over(data.axis).map_or(0.0, |fit| fit.removed);
     let over = |other: usize| {
-        let travel_mm = FitData { axis: other, ..*data }.travel_mm();
-        let samples = samples_over_other(data, residuals, other);
-        let curves = Curves { counts: &KNOTS, travel_mm, min_share };
-        let knots = curves.best(&samples, false, None)?.count;
-        Some(ResidualOverOther { source: data.names[other].clone(), travel_mm, knots })
+        let knots = curve_over(other).filter(|fit| fit.removed > by_own)?.count;
+        let (source, travel_mm) = (data.names[other].clone(), travel_of(other));
+        Some(ResidualOverOther { source, travel_mm, knots })
     };
     (0..data.names.len()).filter(|&other| other != data.axis).filter_map(over).collect()
 }
@@ -96,6 +101,8 @@ struct Bin {
 struct CurveFit {
     count: u32,
     left: f64,
+    /// What it removes of the mean residuals.
+    removed: f64,
 }
 
 /// The curves over the position that are compared.
@@ -117,12 +124,16 @@ impl Curves<'_> {
         let fits: Vec<CurveFit> = self
             .counts
             .iter()
-            .map(|&count| CurveFit { count, left: self.left(&bins, count, differs) })
+            .map(|&count| CurveFit { count, left: self.left(&bins, count, differs), removed: 0.0 })
             .collect();
         let best = numerics::min(fits.iter().map(|fit| fit.left));
         let enough = best + MIN_REFINEMENT * (known - best);
         let simplest = fits.into_iter().find(|fit| fit.left <= enough)?;
-        (known - simplest.left > self.min_share * total).then_some(CurveFit { left: best, ..simplest })
+        (known - simplest.left > self.min_share * total).then_some(CurveFit {
+            left: best,
+            removed: without - best,
+            ..simplest
+        })
     }
 
     fn bins(&self, samples: &[Sample]) -> Vec<Bin> {
