@@ -1,6 +1,8 @@
 use super::*;
-use model::axis::{Controller, Drive, Mechanics, Sensors, Settings};
-use model::effects::{Effect, EffectContext, KINDS, ResidualShape, Stage, initial_guesses, names};
+use model::axis::{Controller, Drive, KeyNames, Mechanics, Sensors, Settings};
+use model::effects::{
+    Effect, EffectContext, KINDS, ResidualOverOther, ResidualShape, Stage, initial_guesses, names,
+};
 use trace::fit::fit_data::FitAndValidationRms;
 
 /// One effect of each kind, all its coordinates at 7.25 where their bounds allow.
@@ -29,6 +31,11 @@ fn one_of_each() -> Vec<Effect> {
         residual: &ResidualShape {
             pitch_knots: Some(5),
             friction_knots: Some(4),
+            tool_over_others: vec![ResidualOverOther {
+                source: "q".to_owned(),
+                travel_mm: [0.0, 100.0],
+                knots: 4,
+            }],
             ..ResidualShape::default()
         },
     };
@@ -41,6 +48,8 @@ fn one_of_each() -> Vec<Effect> {
     };
     let logged = model::effects::LoggedChannels { force: false, ..context.logged };
     let stepper = EffectContext { axis: &stepper, logged, ..context };
+    let turning = Settings { names: KeyNames::Rotary, ..axis.clone() };
+    let rotary = EffectContext { axis: &turning, ..context };
     let of_scale =
         ["name = 'scale_gain'\num_per_m = 5", "name = 'scale_cyclic'\namplitude_um = 1\nperiod_mm = 40"]
             .map(|effect| toml::from_str(effect).unwrap());
@@ -49,6 +58,7 @@ fn one_of_each() -> Vec<Effect> {
         initial_guesses(&alone),
         initial_guesses(&second),
         initial_guesses(&stepper),
+        initial_guesses(&rotary),
         of_scale.to_vec(),
     ]
     .concat();
