@@ -5,6 +5,17 @@ use model::effects::{
 };
 use trace::fit::fit_data::FitAndValidationRms;
 
+/// A residual of which maps are started.
+fn shape() -> ResidualShape {
+    let over = ResidualOverOther { source: "q".to_owned(), travel_mm: [0.0, 100.0], knots: 4 };
+    ResidualShape {
+        pitch_knots: Some(5),
+        friction_knots: Some(4),
+        tool_over_others: vec![over],
+        ..ResidualShape::default()
+    }
+}
+
 /// One effect of each kind, all its coordinates at 7.25 where their bounds allow.
 fn one_of_each() -> Vec<Effect> {
     let axis = Settings {
@@ -28,16 +39,7 @@ fn one_of_each() -> Vec<Effect> {
         stages: &[Stage::Motor, Stage::Table, Stage::Tool, Stage::Force],
         travel_mm: [0.0, 100.0],
         effects: &[],
-        residual: &ResidualShape {
-            pitch_knots: Some(5),
-            friction_knots: Some(4),
-            tool_over_others: vec![ResidualOverOther {
-                source: "q".to_owned(),
-                travel_mm: [0.0, 100.0],
-                knots: 4,
-            }],
-            ..ResidualShape::default()
-        },
+        residual: &shape(),
     };
     let alone = EffectContext { stages: &[Stage::Force], ..context };
     let second = EffectContext { first: false, ..context };
