@@ -233,11 +233,13 @@ pub(super) mod block {
     pub const LAWS: u64 = KINDS + 1;
     /// Of planned motions.
     pub const PLANS: u64 = KINDS + 2;
+    /// Of the kinds that were added later.
+    const LATER_KINDS: u64 = KINDS + 3;
 
     /// Of a kind.
     pub fn of(kind: Kind) -> u64 {
         let index = kind.index();
-        if index < KINDS { index } else { index + 3 }
+        if index < KINDS { index } else { LATER_KINDS + index - KINDS }
     }
 }
 

@@ -38,7 +38,7 @@ pub fn of_axis(
     let um_s2_per_m = |coefficient: f64| Talk::Constant(1e-6 * coefficient);
     let crosstalk =
         tool.crosstalk.first().and_then(|talk| Some((source(&talk.source)?, um_s2_per_m(talk.um_s2_per_m))));
-    let straightness = straightness(tool, names);
+    let straightness = straightness(tool, source);
     // A tool that oscillates also lags behind the table by its acceleration over ω².
     let intalk_um_s2_per_m = tool.intalk.um_s2_per_m - tool.modes().map(lag_um_s2_per_m).sum::<f64>();
     let settings = CompensationSettings {
@@ -60,10 +60,10 @@ pub fn of_axis(
 
 /// The displacement over the position of one other axis, that of the first map, or of the first bow where there is no map: a table over the
 /// knots of the maps. Beyond these, the displacement is not known, and the table keeps its end.
-fn straightness(tool: &ToolParameters, names: &[String]) -> Option<(u8, Straightness)> {
+fn straightness(tool: &ToolParameters, index_of: impl Fn(&str) -> Option<u8>) -> Option<(u8, Straightness)> {
     let source = tool.straightness_maps.first().map(|(source, _)| source);
     let source = source.or_else(|| tool.straightness.first().map(|bow| &bow.source))?;
-    let index = names.iter().position(|name| name == source).and_then(|i| u8::try_from(i).ok())?;
+    let index = index_of(source)?;
     let bows = || tool.straightness.iter().filter(|bow| bow.source == *source);
     let maps = || tool.straightness_maps.iter().filter(|(of, _)| of == source).map(|(_, curve)| curve);
     let Some(travel_m) =
@@ -116,8 +116,7 @@ fn pitch(screw: &Screw, travel_m: [f64; 2]) -> Option<Pitch> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use model::effects;
-    use model::effects::{Backlash, PitchProgressive};
+    use model::effects::{self, Backlash, PitchProgressive};
 
     /// A slope of 20 µm/m over ±0.1 m: ±2 µm at the ends. With a gap from 4 µm to 8 µm: less half of it in + direction.
     #[test]

@@ -206,13 +206,7 @@ mod tests {
         let stages = [Stage::Motor, Stage::Table, Stage::Tool, Stage::Force];
         let axis = &machine.axis["x"].settings;
         let travel_mm = [0.0, 100.0];
-        let residual = &ResidualShape {
-            pitch_knots: Some(6),
-            pitch_knots_each_way: Some(4),
-            friction_knots: Some(5),
-            tool_over_others: vec![over_other()],
-            waves: Vec::new(),
-        };
+        let residual = &ResidualShape::over("y");
         let with_all_stages = EffectContext {
             axis,
             logged: LoggedChannels::ALL,
@@ -250,10 +244,6 @@ mod tests {
             .collect::<Vec<_>>();
         all.extend(added);
         all
-    }
-
-    fn over_other() -> ResidualOverOther {
-        ResidualOverOther { source: "y".to_owned(), travel_mm: [0.0, 100.0], knots: 4 }
     }
 
     /// Errors of the scale are searched as those of the screw, and exchanged for them where the probe shows them.

@@ -32,9 +32,6 @@ pub struct PitchMap {
     pub error_negative_um: Option<Vec<f64>>,
 }
 
-/// Largest number of knots of a refined map.
-const FINEST: usize = 40;
-
 /// Largest amplitude of a remainder, as a fraction of the map's peak-to-peak error. A cubic spline with knots at the distance h
 /// leaves at most 5/384·(2πh/P)⁴ of a wave of the period P (C. A. Hall and W. W. Meyer, 1976): 8 % with four knots a wave.
 const MAX_REMAINDER: f64 = 0.02;
@@ -69,10 +66,7 @@ impl PitchMap {
             return self.clone();
         };
         let positions_mm = knots::positions_mm([first, last], count);
-        let resampled = |values: &Vec<f64>| {
-            let curve = PositionCurve::new(&self.positions_mm, values);
-            positions_mm.iter().map(|&mm| curve.value(mm)).collect::<Vec<_>>()
-        };
+        let resampled = |values: &Vec<f64>| knots::resampled(&self.positions_mm, values, &positions_mm);
         let error_um = resampled(&self.error_um);
         Self { error_negative_um: self.error_negative_um.as_ref().map(resampled), error_um, positions_mm }
     }
@@ -171,13 +165,9 @@ impl EffectModel for PitchMap {
         Some(AnyEffect::new(PitchProgressive::default()))
     }
 
-    /// With the knots that the residual asks for, and half as many again. The number of knots of a map follows from the residual at
-    /// the time when it is added, which other effects still disturb.
     fn refined(&self, residual: &dyn Fn() -> ResidualShape) -> Option<Self> {
-        let knots = self.positions_mm.len();
-        let more = knots + knots / 2;
-        let more = u32::try_from(more).ok().filter(|_| more <= FINEST)?;
-        residual().pitch_knots.map(|asked| self.with_knots(asked.max(more)))
+        let count = knots::refined(self.positions_mm.len(), || residual().pitch_knots)?;
+        Some(self.with_knots(count))
     }
 
     fn describes_any_shape_of(&self) -> Option<Stage> {

@@ -49,9 +49,6 @@ pub enum SlopeOfMap {
     Fitted,
 }
 
-/// Largest number of knots of a refined map.
-const FINEST: usize = 40;
-
 impl StraightnessMap {
     /// A map of zeros with evenly spaced knots over the travel of the source (mm).
     #[must_use]
@@ -73,8 +70,7 @@ impl StraightnessMap {
             return self.clone();
         };
         let positions_mm = knots::positions_mm([first, last], count);
-        let curve = PositionCurve::new(&self.positions_mm, &self.error_um);
-        let error_um = positions_mm.iter().map(|&mm| curve.value(mm)).collect();
+        let error_um = knots::resampled(&self.positions_mm, &self.error_um, &positions_mm);
         Self { positions_mm, error_um, ..self.clone() }
     }
 
@@ -145,17 +141,12 @@ impl EffectModel for StraightnessMap {
         (self.slope == SlopeOfMap::Squareness).then(|| AnyEffect::new(Squareness::default()))
     }
 
-    /// With the knots that the residual asks for, and half as many again.
     fn refined(&self, residual: &dyn Fn() -> ResidualShape) -> Option<Self> {
-        let knots = self.positions_mm.len();
-        let more = u32::try_from(knots + knots / 2).ok().filter(|&more| more as usize <= FINEST)?;
-        let shape = residual();
-        let mut asked = shape.tool_over_others.iter().filter(|one| one.source == self.source);
-        asked.next().map(|one| self.with_knots(one.knots.max(more)))
-    }
-
-    fn describes_any_shape_over_other(&self) -> Option<Stage> {
-        Some(Stage::Tool)
+        let asked = || {
+            let over = residual().tool_over_others;
+            over.iter().find(|one| one.source == self.source).map(|one| one.knots)
+        };
+        Some(self.with_knots(knots::refined(self.positions_mm.len(), asked)?))
     }
 
     fn distinction(&self) -> Distinction<'_> {

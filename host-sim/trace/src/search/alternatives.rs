@@ -4,7 +4,7 @@
 //! hidden by effects that are found later. Once all are found, each is held against the kinds that declare themselves its alternative
 //! ([`EffectModel::in_place_of`](model::effects::EffectModel::in_place_of)).
 
-use super::ambiguity::{Ambiguity, is_as_good};
+use super::ambiguity::{Ambiguity, is_as_good, rival};
 use super::held_out::{compare, scores};
 use super::round::Round;
 use crate::fit::axis_model::AxisModel;
@@ -31,7 +31,7 @@ pub fn with_better_alternatives(
             let Some(start) = replaced(&base.model, index, substitute) else { continue };
             let other = least_squares::fit(data, &start, scope, least_squares::STEPS);
             if !is_better(data, &base, &other, scope) {
-                let rival = (!is_alone).then(|| rival(data, &base, &other, &taken, scope)).flatten();
+                let rival = (!is_alone).then(|| rival(data, [&base, &other], &taken, scope)).flatten();
                 if let (Some(rival), Some(round)) = (rival, rounds.last_mut()) {
                     round.ambiguities.push(Ambiguity {
                         added: effect.clone(),
@@ -80,24 +80,6 @@ fn replaced(model: &AxisModel, index: usize, substitute: Substitute<Effect>) -> 
         Some(coordinates) => with.with(model.found()[index].at(&coordinates)),
         None => with,
     })
-}
-
-/// The substitute of a found effect as fitted, if it is more than its tolerance and the logs do not speak for the found effect alone. A mode far above
-/// the frequencies of the motion is, with another damping ratio and a late reading, the same.
-fn rival(
-    data: &FitData<'_>,
-    base: &Fitted,
-    other: &Fitted,
-    substitute: &Effect,
-    scope: &Scope,
-) -> Option<Effect> {
-    let rival = other.model.found().iter().find(|found| found.is_same(substitute))?;
-    let settings = &other.model.nominal().settings;
-    let options = &data.options.search;
-    let stages = compare(&scores(other), &scores(base), &scope.stages, options);
-    let is_rival = rival.exceeds_tolerance(settings, data.rates)
-        && stages.iter().all(|stage| is_as_good(stage, options));
-    is_rival.then(|| rival.clone())
 }
 
 /// Whether the rival of an effect explains the logs as well as the form of the effect that replaced the one of the round.

@@ -58,21 +58,36 @@ pub fn dropped_rivals(
     dropped: &[Effect],
     scope: &Scope,
 ) -> Vec<Ambiguity> {
-    let options = &data.options.search;
     let Some(effect) = added.model.found().last() else { return Vec::new() };
-    let rival = |dropped: &Effect| {
-        let fitted = least_squares::fit(data, &base.model.with(dropped.clone()), scope, least_squares::STEPS);
-        let rival = fitted.model.found().last()?.clone();
-        let stages = compare(&scores(&fitted), &scores(added), &scope.stages, options);
-        let is_rival = rival.exceeds_tolerance(&fitted.model.nominal().settings, data.rates)
-            && stages.iter().all(|stage| is_as_good(stage, options));
-        is_rival.then(|| Ambiguity { added: effect.clone(), rival, with_rival: fitted.model })
-    };
     let may_be = |dropped: &&Effect| {
         let is_searched = scope.holds(dropped) && !dropped.is_same(effect);
         is_searched && !base.model.axis.effect.iter().any(|other| other.is_same(dropped))
     };
-    dropped.iter().filter(may_be).filter_map(rival).collect()
+    let ambiguity = |dropped: &Effect| {
+        let start = base.model.with(dropped.clone());
+        let fitted = least_squares::fit(data, &start, scope, least_squares::STEPS);
+        let rival = rival(data, [added, &fitted], dropped, scope)?;
+        Some(Ambiguity { added: effect.clone(), rival, with_rival: fitted.model })
+    };
+    dropped.iter().filter(may_be).filter_map(ambiguity).collect()
+}
+
+/// An effect as another fit has it, if it is more than its tolerance and the logs do not speak for the first fit. A mode far above the frequencies
+/// of the motion is, with another damping ratio and a late reading, the same.
+#[must_use]
+pub fn rival(
+    data: &FitData<'_>,
+    [fitted, other]: [&Fitted; 2],
+    effect: &Effect,
+    scope: &Scope,
+) -> Option<Effect> {
+    let rival = other.model.found().iter().find(|found| found.is_same(effect))?;
+    let settings = &other.model.nominal().settings;
+    let options = &data.options.search;
+    let stages = compare(&scores(other), &scores(fitted), &scope.stages, options);
+    let is_rival = rival.exceeds_tolerance(settings, data.rates)
+        && stages.iter().all(|stage| is_as_good(stage, options));
+    is_rival.then(|| rival.clone())
 }
 
 /// Whether what an effect gains over a rival in a stage is chance, or less than the minimum reduction of an effect.

@@ -213,10 +213,10 @@ impl EffectSearch<'_> {
         prefer_fewer_parameters(&mut candidates, scope, &data.options.search);
         let best = self.best(data, reference.base, &mut candidates, scope);
         let added = best.as_ref().map(|(index, _)| *index);
-        let mut ambiguities = added.map_or_else(Vec::new, |added| rivals(data, &candidates, added, scope));
-        if let Some((_, fitted)) = &best {
-            ambiguities.extend(dropped_rivals(data, (reference.base, fitted), &self.dropped, scope));
-        }
+        let ambiguities = best.as_ref().map_or_else(Vec::new, |(added, fitted)| {
+            let dropped = dropped_rivals(data, (reference.base, fitted), &self.dropped, scope);
+            [rivals(data, &candidates, *added, scope), dropped].concat()
+        });
         if let Some(added) = added {
             (self.progress)(&format!("{name}: added {}", candidates[added].effect.name()));
         }

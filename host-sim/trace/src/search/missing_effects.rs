@@ -31,9 +31,7 @@ pub fn missing_effects(data: &FitData<'_>, base: &Fitted, scope: &Scope) -> Vec<
     guesses.retain(|effect| !model.found().iter().any(|found| found.is_same(effect)));
     // An effect of any shape would describe what the bump of a local defect leaves.
     let has_bump = |stage: Stage| data.exclusions.iter().any(|exclusion| exclusion.bump(stage).is_some());
-    let has_any_shape_of =
-        |effect: &Effect| effect.describes_any_shape_of().or(effect.describes_any_shape_over_other());
-    guesses.retain(|effect| !has_any_shape_of(effect).is_some_and(has_bump));
+    guesses.retain(|effect| !effect.describes_any_shape_of().is_some_and(has_bump));
     if has_any_shape(model.found()) {
         // Between its knots a map deviates from the screw, in waves of a few knots.
         let lead_mm = model.axis.settings.mechanics.lead_mm;

@@ -4,12 +4,13 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::fit::fit_data::{FitData, ResidualSeries};
 use crate::fit::normal_equations::{BLOCKS, FOLDS};
+use crate::input::smoothing::Smooth;
 use model::effects::Stage;
 
 /// A sample of a residual.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
-    /// Position of the motor, mm.
+    /// Position of the motor, or of the axis over which the residual is taken, mm.
     pub position_mm: f64,
     /// Direction of motion, −1 or 1.
     pub direction: f64,
@@ -23,47 +24,50 @@ pub struct Sample {
 /// The samples of a stage that count.
 #[must_use]
 pub fn samples(data: &FitData<'_>, residuals: &[ResidualSeries], stage: Stage) -> Vec<Sample> {
-    let mut rows = Vec::new();
-    let mut samples = Vec::new();
-    for series in residuals.iter().filter(|series| series.stage == stage) {
-        let Some(motor) = &data.signals(series.log).motor else { continue };
-        let counts = data.counting(stage, series.log);
-        let fold_of = |i: usize| i * BLOCKS / series.values.len() % FOLDS;
-        for i in (0..series.values.len()).filter(|&i| counts(i)) {
-            let (position_mm, velocity) = (1e3 * motor.value[i], motor.velocity[i]);
-            let direction = 1.0f64.copysign(velocity);
-            rows.push([1.0, position_mm, direction, velocity, motor.acceleration[i]]);
-            samples.push(Sample { position_mm, direction, residual: series.values[i], fold: fold_of(i) });
-        }
-    }
-    remove(&rows, &mut samples);
-    samples
+    let motor = |log: usize| data.signals(log).motor.as_ref();
+    gathered(data, residuals, stage, motor, |_, motor, i| {
+        let velocity = motor.velocity[i];
+        [1.0, 1e3 * motor.value[i], 1.0f64.copysign(velocity), velocity, motor.acceleration[i]]
+    })
 }
 
 /// The samples of the tool stage that count, over position and direction of any axis; without a linear dependence on position, velocity and
-/// acceleration of that axis and of their own.
+/// acceleration of that axis and of the axis that is traced.
 #[must_use]
 pub fn samples_over(data: &FitData<'_>, residuals: &[ResidualSeries], axis: usize) -> Vec<Sample> {
+    let of_axis = |log: usize, axis: usize| data.logs[log].axes[axis].table_or_motor();
+    let state =
+        |smooth: &Smooth, i: usize| [1e3 * smooth.value[i], smooth.velocity[i], smooth.acceleration[i]];
+    gathered(
+        data,
+        residuals,
+        Stage::Tool,
+        |log| of_axis(log, axis),
+        |log, source, i| {
+            let [a, b, c] = state(source, i);
+            let [d, e, f] = of_axis(log, data.axis).map_or([0.0; 3], |own| state(own, i));
+            [1.0, a, b, c, d, e, f]
+        },
+    )
+}
+
+/// The samples of a stage that count over a motion, without their linear dependence on the columns of a row.
+fn gathered<'a, const N: usize>(
+    data: &FitData<'a>,
+    residuals: &[ResidualSeries],
+    stage: Stage,
+    motion: impl Fn(usize) -> Option<&'a Smooth>,
+    row: impl Fn(usize, &Smooth, usize) -> [f64; N],
+) -> Vec<Sample> {
     let mut rows = Vec::new();
     let mut samples = Vec::new();
-    for series in residuals.iter().filter(|series| series.stage == Stage::Tool) {
-        let log = &data.logs[series.log];
-        let both = [data.axis, axis].map(|axis| log.axes[axis].table_or_motor());
-        let [Some(own), Some(source)] = both else { continue };
-        let counts = data.counting(Stage::Tool, series.log);
+    for series in residuals.iter().filter(|series| series.stage == stage) {
+        let Some(motion) = motion(series.log) else { continue };
+        let counts = data.counting(stage, series.log);
         let fold_of = |i: usize| i * BLOCKS / series.values.len() % FOLDS;
         for i in (0..series.values.len()).filter(|&i| counts(i)) {
-            let (position_mm, velocity) = (1e3 * source.value[i], source.velocity[i]);
-            rows.push([
-                1.0,
-                position_mm,
-                velocity,
-                source.acceleration[i],
-                1e3 * own.value[i],
-                own.velocity[i],
-                own.acceleration[i],
-            ]);
-            let direction = 1.0f64.copysign(velocity);
+            let (position_mm, direction) = (1e3 * motion.value[i], 1.0f64.copysign(motion.velocity[i]));
+            rows.push(row(series.log, motion, i));
             samples.push(Sample { position_mm, direction, residual: series.values[i], fold: fold_of(i) });
         }
     }

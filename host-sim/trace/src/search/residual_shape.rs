@@ -60,29 +60,34 @@ pub fn shape(
     }
 }
 
-/// How the tool residual depends on the positions of the other axes, if one of them explains more of it than that of the axis itself: on a circle,
-/// a defect at a place of one axis is one at two places of the other.
+/// How the tool residual depends on the positions of the other axes. None if it depends more on that of the axis itself, or a bump over it is
+/// subtracted: on a circle, a defect at a place of one axis is one at two places of the other.
 fn over_others(
     data: &FitData<'_>,
     residuals: &[ResidualSeries],
     scope: &Scope,
     min_share: f64,
 ) -> Vec<ResidualOverOther> {
-    if scope.stages != [Stage::Tool] || scope.shown_in != ShownIn::default() {
+    let has_bump = data.exclusions.iter().any(|exclusion| exclusion.bump(Stage::Tool).is_some());
+    if scope.stages != [Stage::Tool] || scope.shown_in != ShownIn::default() || has_bump {
         return Vec::new();
     }
-    let travel_of = |axis: usize| FitData { axis, ..*data }.travel_mm();
     let curve_over = |axis: usize| {
+        let travel_mm = FitData { axis, ..*data }.travel_mm();
         let samples = samples_over(data, residuals, axis);
-        Curves { counts: &KNOTS, travel_mm: travel_of(axis), min_share }.best(&samples, false, None)
+        let fit = Curves { counts: &KNOTS, travel_mm, min_share }.best(&samples, false, None)?;
+        Some((
+            fit.removed,
+            ResidualOverOther { source: data.names[axis].clone(), travel_mm, knots: fit.count },
+        ))
     };
-    let by_own = curve_over(data.axis).map_or(0.0, |fit| fit.removed);
-    let over = |other: usize| {
-        let knots = curve_over(other).filter(|fit| fit.removed > by_own)?.count;
-        let (source, travel_mm) = (data.names[other].clone(), travel_of(other));
-        Some(ResidualOverOther { source, travel_mm, knots })
-    };
-    (0..data.names.len()).filter(|&other| other != data.axis).filter_map(over).collect()
+    let others = (0..data.names.len()).filter(|&other| other != data.axis);
+    let mut over_others: Vec<(f64, ResidualOverOther)> = others.filter_map(curve_over).collect();
+    if !over_others.is_empty() {
+        let by_own = curve_over(data.axis).map_or(0.0, |(removed, _)| removed);
+        over_others.retain(|(removed, _)| *removed > by_own);
+    }
+    over_others.into_iter().map(|(_, over)| over).collect()
 }
 
 /// Mean residual over an interval of the position, in one direction and one fold.
@@ -101,7 +106,7 @@ struct Bin {
 struct CurveFit {
     count: u32,
     left: f64,
-    /// What it removes of the mean residuals.
+    /// Σr² that the best number of knots removes of the mean residuals.
     removed: f64,
 }
 
@@ -121,19 +126,13 @@ impl Curves<'_> {
         let total: f64 = samples.iter().map(|sample| sample.residual * sample.residual).sum();
         let without = bins.iter().map(|bin| bin.count * bin.mean * bin.mean).sum::<f64>();
         let known = known.map_or(without, |fit| fit.left);
-        let fits: Vec<CurveFit> = self
-            .counts
-            .iter()
-            .map(|&count| CurveFit { count, left: self.left(&bins, count, differs), removed: 0.0 })
-            .collect();
-        let best = numerics::min(fits.iter().map(|fit| fit.left));
+        let fits: Vec<(u32, f64)> =
+            self.counts.iter().map(|&count| (count, self.left(&bins, count, differs))).collect();
+        let best = numerics::min(fits.iter().map(|(_, left)| *left));
         let enough = best + MIN_REFINEMENT * (known - best);
-        let simplest = fits.into_iter().find(|fit| fit.left <= enough)?;
-        (known - simplest.left > self.min_share * total).then_some(CurveFit {
-            left: best,
-            removed: without - best,
-            ..simplest
-        })
+        let (count, left) = fits.into_iter().find(|(_, left)| *left <= enough)?;
+        let is_enough = known - left > self.min_share * total;
+        is_enough.then_some(CurveFit { count, left: best, removed: without - best })
     }
 
     fn bins(&self, samples: &[Sample]) -> Vec<Bin> {

@@ -8,6 +8,9 @@ use crate::fit::fit_data::FitData;
 use crate::fit::scope::Scope;
 use model::effects::{Effect, Stage};
 
+/// Share of a wave that the tool shows, half-way between one of the scale and one that the tool follows.
+const SHARE_OF_SCALE: f64 = 0.5;
+
 /// The model with another effect in the place of a found one, by its index.
 fn with_exchanged(model: &AxisModel, found: usize, effect: Effect) -> AxisModel {
     let mut exchanged = model.clone();
@@ -60,28 +63,24 @@ pub fn share_of_scale(
     Sums::of(data, model, &with_exchanged(model, found, of_scale), tool).share()
 }
 
-/// The model before the search of the tool's effects, with those waves as the scale's that the tool still shows once its other effects are
-/// known; `None` if it shows all. A mode of the tool may resemble a wave until it is found.
+/// The model in which the search for effects of the tool has to start again, with fewer waves of the scale: without those that the tool does not show
+/// once its other effects are known. `None` if it shows all. A mode of the tool may resemble a wave until it is found.
 #[must_use]
 pub fn taken_back(
     data: &FitData<'_>,
     [before, exchanged, found]: [&AxisModel; 3],
     tool: &Scope,
 ) -> Option<AxisModel> {
-    let mut start = exchanged.clone();
-    let mut is_taken_back = false;
+    let mut start = None;
     for (index, (first, of_scale)) in before.found().iter().zip(exchanged.found()).enumerate() {
-        let Some(place) = found.found().iter().position(|effect| effect.is_same(of_scale)) else { continue };
-        if first.is_same(of_scale) {
-            continue;
-        }
+        let place = found.found().iter().position(|effect| effect.is_same(of_scale));
+        let Some(place) = place.filter(|_| !first.is_same(of_scale)) else { continue };
         let without = with_exchanged(found, place, first.clone());
-        if Sums::of(data, &without, found, tool).share() < 0.5 {
-            start = with_exchanged(&start, index, first.clone());
-            is_taken_back = true;
+        if Sums::of(data, &without, found, tool).share() < SHARE_OF_SCALE {
+            start = Some(with_exchanged(start.as_ref().unwrap_or(exchanged), index, first.clone()));
         }
     }
-    is_taken_back.then_some(start)
+    start
 }
 
 /// The model in which waves are the scale's where that removes a part of the tool's residual, before other effects of the tool are
@@ -93,7 +92,7 @@ pub fn with_waves_of_scale(data: &FitData<'_>, mut model: AxisModel, tool: &Scop
         let exchanged = with_exchanged(&model, index, effect);
         let sums = Sums::of(data, &model, &exchanged, tool);
         let removed = -2.0 * sums.product - sums.wave;
-        if sums.share() > 0.5 && removed > data.options.search.min_reduction * sums.residual {
+        if sums.share() > SHARE_OF_SCALE && removed > data.options.search.min_reduction * sums.residual {
             model = exchanged;
         }
     }

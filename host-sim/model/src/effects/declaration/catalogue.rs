@@ -162,12 +162,6 @@ macro_rules! catalogue {
                 match self { $(Self::$variant(e) => e.prior(declared),)+ }
             }
 
-            /// See [`EffectModel::describes_any_shape_over_other`].
-            #[must_use]
-            pub fn describes_any_shape_over_other(&self) -> Option<Stage> {
-                match self { $(Self::$variant(e) => e.describes_any_shape_over_other(),)+ }
-            }
-
             /// See [`EffectModel::describes_any_shape_of`].
             #[must_use]
             pub fn describes_any_shape_of(&self) -> Option<Stage> {

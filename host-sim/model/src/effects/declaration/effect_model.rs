@@ -178,11 +178,6 @@ pub trait EffectModel: Sized + Clone {
         None
     }
 
-    /// The stage of which it describes a residual of any shape over the position of another axis.
-    fn describes_any_shape_over_other(&self) -> Option<Stage> {
-        None
-    }
-
     /// Whether the effect differs between the directions of motion.
     fn depends_on_direction(&self) -> bool {
         false

@@ -1,10 +1,32 @@
 //! Common part of effects that are given at knots over the position.
 
+use crate::position_curve::PositionCurve;
+
 /// Evenly spaced positions of knots from end to end of a travel, mm, to 0.01 mm.
 #[must_use]
 pub fn positions_mm([from, to]: [f64; 2], count: u32) -> Vec<f64> {
     let step = (to - from) / f64::from(count.max(2) - 1);
     (0..count).map(|i| (100.0 * (from + step * f64::from(i))).round() / 100.0).collect()
+}
+
+/// Largest number of knots of a refined map.
+const FINEST: usize = 40;
+
+/// Number of knots of a refined map: those that the residual asks for, and at least half as many again as there are. The number of a map
+/// follows from the residual at the time when it is added, which other effects still disturb. `None` if the residual asks for none, or the map is
+/// fine enough.
+#[must_use]
+pub fn refined(knots: usize, asked: impl FnOnce() -> Option<u32>) -> Option<u32> {
+    let more = knots + knots / 2;
+    let more = u32::try_from(more).ok().filter(|_| more <= FINEST)?;
+    asked().map(|asked| asked.max(more))
+}
+
+/// The values of a natural cubic spline through knots at other positions.
+#[must_use]
+pub fn resampled(positions_mm: &[f64], values: &[f64], at_mm: &[f64]) -> Vec<f64> {
+    let curve = PositionCurve::new(positions_mm, values);
+    at_mm.iter().map(|&mm| curve.value(mm)).collect()
 }
 
 /// The part of the values at knots that another parameter of a model describes, so that a fit of both would not be

@@ -16,6 +16,22 @@ pub struct ResidualShape {
     pub waves: Vec<ResidualWave>,
 }
 
+#[cfg(test)]
+impl ResidualShape {
+    /// A residual for which every map is tried: over the position of the axis, and over 0 to 100 mm of another one.
+    #[must_use]
+    pub fn over(source: &str) -> Self {
+        let over = ResidualOverOther { source: source.to_owned(), travel_mm: [0.0, 100.0], knots: 4 };
+        Self {
+            pitch_knots: Some(6),
+            pitch_knots_each_way: Some(4),
+            friction_knots: Some(5),
+            tool_over_others: vec![over],
+            waves: Vec::new(),
+        }
+    }
+}
+
 /// How the tool residual of an axis depends on the position of another one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResidualOverOther {

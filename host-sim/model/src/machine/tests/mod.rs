@@ -101,19 +101,6 @@ fn a_written_machine_is_read_as_the_same_machine() {
     assert!(position("[[axis.y.effect]]") < position("[axis.x]"), "{text}");
 }
 
-/// A residual over the position of the axis and of another one.
-fn shape_over(source: &str) -> crate::effects::ResidualShape {
-    let over =
-        crate::effects::ResidualOverOther { source: source.to_owned(), travel_mm: [0.0, 100.0], knots: 4 };
-    crate::effects::ResidualShape {
-        pitch_knots: Some(6),
-        pitch_knots_each_way: Some(4),
-        friction_knots: Some(5),
-        tool_over_others: vec![over],
-        waves: Vec::new(),
-    }
-}
-
 /// For every effect of the catalogue, with its name as tag and unknown keys denied.
 #[test]
 fn every_written_effect_is_read_as_the_same_effect() {
@@ -136,7 +123,7 @@ fn every_written_effect_is_read_as_the_same_effect() {
         stages: &stages,
         travel_mm: [0.0, 100.0],
         effects: &["backlash"],
-        residual: &shape_over("x"),
+        residual: &crate::effects::ResidualShape::over("x"),
     };
     let force_only = crate::effects::EffectContext { stages: &stages[3..], ..with_all_stages };
     // The angle of the probe is searched on the second axis; errors of the scale are searched as those of the screw.
@@ -146,7 +133,7 @@ fn every_written_effect_is_read_as_the_same_effect() {
     unknown.mechanics.lead_mm = Some(5.0);
     let no_force = crate::effects::LoggedChannels { force: false, ..with_all_stages.logged };
     let other = ["y".to_owned()];
-    let over_y = shape_over("y");
+    let over_y = crate::effects::ResidualShape::over("y");
     let stepper = crate::effects::EffectContext {
         axis: &unknown,
         others: &other,
