@@ -101,7 +101,7 @@ impl AxisMotion {
             return (drive_n - resistance_n) / (parameters.motor_mass_kg + parameters.table_mass_kg);
         };
         let deflection_m = parameters.screw.nominal_m(self.motor_m) - self.table_m;
-        let stretch_m = deflection_m - parameters.screw.absorbed_m(self.motor_m, deflection_m);
+        let stretch_m = deflection_m - parameters.screw.yielded_m(self.motor_m, deflection_m);
         let in_contact = !parameters.screw.has_gap() || stretch_m != 0.0;
         let damping_n = spring.damping_n_s_per_m * (self.motor_m_per_s - v);
         let screw_n = if in_contact { spring.stiffness_n_per_m * stretch_m + damping_n } else { 0.0 };

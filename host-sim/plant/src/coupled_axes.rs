@@ -152,12 +152,12 @@ impl CoupledAxis {
         let screw = &parameters.screw;
         // Both are relative to the start, where the spring has no force.
         let error_m = screw.error_m(motor_m) - screw.error_m(self.motor_start_m);
-        let gap_m = screw.absorbed_m(motor_m, error_m - stretch_m);
-        let in_gap = gap_m.abs() < screw.half_gap_m(motor_m);
+        let deflection_m = error_m - stretch_m;
+        let in_gap = deflection_m.abs() < screw.half_gap_m(motor_m);
         let rate = motion.table_m_per_s - motion.motor_m_per_s;
         // Within the gap nothing damps: the structure's damper is cancelled.
         let damper_n = if in_gap { self.spring.damping_n_s_per_m * rate } else { 0.0 };
-        self.spring.stiffness_n_per_m * (error_m - gap_m) + damper_n
+        self.spring.stiffness_n_per_m * (error_m - screw.yielded_m(motor_m, deflection_m)) + damper_n
     }
 }
 

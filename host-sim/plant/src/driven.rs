@@ -30,6 +30,8 @@ pub struct ScrewMotion {
     pub error_velocity: f64,
     /// Half of the gap between screw and nut, m.
     pub half_gap_m: f64,
+    /// Change of the compliance between screw and table, as a part of it.
+    pub compliance_change: f64,
     /// Time on the session clock, s.
     pub time_s: f64,
 }
@@ -70,7 +72,8 @@ impl DrivenTable {
             + parameters.load.force_n(screw.nominal_m);
         let gap_m = screw.half_gap_m.copysign(table.transmitted_n);
         if let Some(spring) = &parameters.spring {
-            table.deflection_m = table.transmitted_n / spring.stiffness_n_per_m + gap_m;
+            let stretch_m = table.transmitted_n / spring.stiffness_n_per_m;
+            table.deflection_m = stretch_m * (1.0 + screw.compliance_change) + gap_m;
         } else {
             table.table_m -= gap_m;
         }
@@ -143,16 +146,17 @@ impl DrivenTable {
             + friction.offset_n
             + friction.slope_n_s_per_m * (screw.velocity + self.deflection_m * per_h)
             + step.parameters.load.force_n(screw.nominal_m);
+        let stiffness = step.stiffness / (1.0 + screw.compliance_change);
         let in_gap = explicit_n.abs() <= screw.half_gap_m * inertia;
         let gap_m = screw.half_gap_m.copysign(explicit_n);
         let deflection = if in_gap {
             explicit_n / inertia
         } else {
             (explicit_n
-                + step.stiffness * gap_m
+                + stiffness * gap_m
                 + step.damping_per_h * self.deflection_m
                 + step.damping * screw.error_velocity)
-                / (inertia + step.stiffness + step.damping_per_h)
+                / (inertia + stiffness + step.damping_per_h)
         };
         let rate = (deflection - self.deflection_m) * per_h;
         self.bristle_m =
@@ -160,7 +164,7 @@ impl DrivenTable {
         self.transmitted_n = if in_gap {
             0.0
         } else {
-            step.stiffness * (deflection - gap_m) + step.damping * (rate - screw.error_velocity)
+            stiffness * (deflection - gap_m) + step.damping * (rate - screw.error_velocity)
         };
         self.deflection_m = deflection;
         self.deflection_rate = rate;

@@ -26,6 +26,8 @@ pub struct Stepper<L> {
     in_gap: Transition<L>,
     /// Whether there is a gap.
     has_gap: bool,
+    /// Whether screw and nut are always in contact, with the same stiffness everywhere.
+    is_coupling_constant: bool,
     guide: Guide<L>,
     /// Whether the motors have neither friction nor ripple.
     is_motor_ideal: bool,
@@ -47,7 +49,7 @@ struct StepInput<'a, L> {
 #[derive(Clone, Copy)]
 struct Coupling<'a, L> {
     transition: &'a Transition<L>,
-    /// Stretch of the spring − (motor − table), m: pitch error and edge of the backlash.
+    /// Stretch of the spring of constant stiffness − (motor − table), m: pitch error, edge of the backlash, and by what it yields more.
     offset_m: L,
 }
 
@@ -72,6 +74,7 @@ impl Stepper<f64> {
             in_contact,
             in_gap: if has_gap { two_masses(None) } else { in_contact },
             has_gap,
+            is_coupling_constant: !has_gap && parameters.screw.compliance_map.is_empty(),
             guide: Guide::new(parameters),
             is_motor_ideal: !parameters.has_motor_friction()
                 && parameters.motor_turning_n == 0.0
@@ -105,24 +108,23 @@ impl Stepper<f64> {
     #[inline]
     fn coupling(&self, parameters: &AxisParameters, motion: &AxisMotion, middle_m: f64) -> Coupling<'_, f64> {
         let error_m = parameters.screw.error_m(middle_m);
-        if !self.has_gap {
+        if self.is_coupling_constant {
             return Coupling { transition: &self.in_contact, offset_m: error_m };
         }
         let table_m = motion.table_m + motion.table_m_per_s * (0.5 * self.step.seconds);
         let deflection_m = middle_m + error_m - table_m;
-        let half_gap_m = parameters.screw.half_gap_m(middle_m);
-        if deflection_m.abs() <= half_gap_m {
+        if self.has_gap && deflection_m.abs() <= parameters.screw.half_gap_m(middle_m) {
             Coupling { transition: &self.in_gap, offset_m: 0.0 }
         } else {
-            let offset_m = error_m - half_gap_m.copysign(deflection_m);
+            let offset_m = error_m - parameters.screw.yielded_m(middle_m, deflection_m);
             Coupling { transition: &self.in_contact, offset_m }
         }
     }
 
-    /// Whether [`Stepper::pair`] accepts the axis: it has a spring and no backlash.
+    /// Whether [`Stepper::pair`] accepts the axis: it has a spring of the same stiffness everywhere, and no backlash.
     #[must_use]
     pub fn can_be_paired(&self, parameters: &AxisParameters) -> bool {
-        parameters.spring.is_some() && !self.has_gap
+        parameters.spring.is_some() && self.is_coupling_constant
     }
 }
 
@@ -138,6 +140,7 @@ impl Stepper<f64x2> {
             in_contact,
             in_gap: in_contact,
             has_gap: false,
+            is_coupling_constant: true,
             guide,
             is_motor_ideal: axes.iter().all(|axis| axis.is_motor_ideal),
             is_screw_exact: axes.iter().all(|axis| axis.is_screw_exact),

@@ -296,6 +296,7 @@ impl AxisParameters {
             Effect::PitchProgressive(e) => self.screw.progressive.slope_um_per_m += e.slope_um_per_m,
             Effect::PitchMap(e) => (self.screw.map, self.screw.gap_map) = (e.mean_error(), e.width()),
             Effect::PitchCyclic(e) => self.screw.periodic.push(e.error()),
+            Effect::StiffnessMap(e) => self.screw.compliance_map = e.curve(),
             Effect::ForceWindup(e) => self.forced_windup = Some(e),
             Effect::Windup(e) => {
                 if let Some(spring) = &mut self.spring {
@@ -406,7 +407,7 @@ impl AxisParameters {
         let bristles = (self.friction.bristle_stiffness_n_per_m / table_kg).sqrt();
         let motor = self.motor_level_n(0.0) / friction::SIGN_WIDTH_M_PER_S / motor_kg;
         let contact = match &self.spring {
-            Some(spring) if self.screw.has_gap() => {
+            Some(spring) if self.screw.has_gap() || !self.screw.compliance_map.is_empty() => {
                 (spring.stiffness_n_per_m * (motor_kg.recip() + table_kg.recip())).sqrt()
             }
             _ => 0.0,

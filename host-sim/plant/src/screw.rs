@@ -2,7 +2,7 @@
 //!
 //! Positions of the motor are reflected to the table (rotation times lead), m.
 
-use model::effects::{Backlash, PeriodicError, PitchProgressive};
+use model::effects::{Backlash, PeriodicError, PitchProgressive, StiffnessMap};
 use model::position_curve::PositionCurve;
 
 /// Geometric errors of the screw.
@@ -18,6 +18,8 @@ pub struct Screw {
     pub map: PositionCurve,
     /// Width of the gap in addition to the backlash, m, over the motor position, m.
     pub gap_map: PositionCurve,
+    /// Change of the compliance of the [`Spring`], as a part of it, over the motor position, m.
+    pub compliance_map: PositionCurve,
 }
 
 /// Axial elasticity between motor and table, in series: screw shaft, nut, bearing, coupling.
@@ -34,7 +36,7 @@ impl Screw {
     #[must_use]
     pub fn is_exact(&self) -> bool {
         // Without `..`, so that the compiler points here when a field is added.
-        let Self { backlash: _, gap_map: _, progressive, periodic, map } = self;
+        let Self { backlash: _, gap_map: _, compliance_map: _, progressive, periodic, map } = self;
         progressive.slope_um_per_m == 0.0 && periodic.is_empty() && map.is_empty()
     }
 
@@ -86,6 +88,26 @@ impl Screw {
         deflection_m.clamp(-half_m, half_m)
     }
 
+    /// Compliance of the spring at a true motor position (m), as a part of that of [`Spring`].
+    #[must_use]
+    #[inline]
+    pub fn compliance(&self, motor_m: f64) -> f64 {
+        if self.compliance_map.is_empty() {
+            1.0
+        } else {
+            StiffnessMap::compliance(self.compliance_map.value(motor_m))
+        }
+    }
+
+    /// Part of a deflection (nut − table, m) at a true motor position (m) that does not strain [`Spring`] with its constant stiffness: the
+    /// gap, and by what a more compliant spring yields more.
+    #[must_use]
+    #[inline]
+    pub fn yielded_m(&self, motor_m: f64, deflection_m: f64) -> f64 {
+        let gap_m = self.absorbed_m(motor_m, deflection_m);
+        gap_m + (deflection_m - gap_m) * (1.0 - self.compliance(motor_m).recip())
+    }
+
     /// Position of the table of a rigid screw, m, after the motor has come to `motor_m` and the nut to `nominal_m`, and
     /// before which the table stood at `table_m`: the table moves only when an edge of the gap reaches it.
     #[must_use]
@@ -109,6 +131,19 @@ mod tests {
         assert!((absorbed(8.0, -9e-6) + 4e-6).abs() < 1e-18);
         // Finite differences at width 0 evaluate a negative width.
         assert!(absorbed(-0.2, 3e-6).abs() < 1e-18);
+    }
+
+    /// Where the compliance is 25 % higher, a spring under the same deflection carries 1/1.25 of the force: a fifth of what the gap leaves of
+    /// the deflection does not strain it.
+    #[test]
+    fn a_more_compliant_spring_yields_more() {
+        let compliance_map = PositionCurve::new(&[0.0, 0.1], &[0.25, -2.0]);
+        let screw = Screw { backlash: Backlash { width_um: 4.0 }, compliance_map, ..Screw::default() };
+        assert!((screw.yielded_m(0.0, 7e-6) - 3e-6).abs() < 1e-15);
+        assert!((screw.yielded_m(0.0, -7e-6) + 3e-6).abs() < 1e-15);
+        // No map makes a spring of negative compliance.
+        assert!((screw.compliance(0.1) - 0.1).abs() < 1e-15);
+        assert!((Screw::default().yielded_m(0.0, 7e-6)).abs() < 1e-15);
     }
 
     /// 8 µm of backlash, and a map from 2 µm at 0 to −10 µm at 100 mm: 10 µm, 4 µm in the middle, none at the end.

@@ -55,6 +55,7 @@ mod servo_mismatch;
 mod shear_thinning;
 mod slopes;
 mod squareness;
+mod stiffness_map;
 mod straightness;
 mod straightness_map;
 mod stribeck;
@@ -125,6 +126,7 @@ pub use scale_gain::ScaleGain;
 pub use servo_mismatch::ServoMismatch;
 pub use shear_thinning::ShearThinning;
 pub use squareness::Squareness;
+pub use stiffness_map::StiffnessMap;
 pub use straightness::Straightness;
 pub use straightness_map::{SlopeOfMap, StraightnessMap};
 pub use stribeck::Stribeck;
@@ -153,6 +155,7 @@ catalogue! {
     Windup,
     ForceWindup,
     InertialWindup,
+    StiffnessMap,
     Stribeck,
     FrictionAsymmetry,
     TorqueRipple,

@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Coordinate, Draw, EffectCompensation, EffectContext, EffectModel, Misplaced, Neighbours,
-    Occurrence, Parameter, Placement, Prerequisite, Range, Stage, Unit, Wording,
+    Abscissa, AnyEffect, Coordinate, Draw, EffectCompensation, EffectContext, EffectModel, Misplaced,
+    Neighbours, Occurrence, Parameter, Placement, Prerequisite, Range, ResidualShape, Stage, Unit, Wording,
 };
+use super::stiffness_map::StiffnessMap;
 use crate::axis::Settings;
 
 /// Replaces the declared stiffness k between motor and table. Without damping, motor − table = F/k for the force F that the
@@ -78,6 +79,10 @@ impl EffectModel for Windup {
             .mechanics
             .stiffness_n_per_um
             .is_some_and(|stiffness| self.stiffness_n_per_um < Self::max_stiffness(stiffness, tolerance))
+    }
+
+    fn variation(&self, residual: &dyn Fn() -> ResidualShape, travel_mm: [f64; 2]) -> Option<AnyEffect> {
+        residual().stiffness_knots.map(|count| AnyEffect::new(StiffnessMap::constant(travel_mm, count)))
     }
 
     fn values(&self) -> Vec<f64> {

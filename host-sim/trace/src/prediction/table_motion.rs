@@ -86,6 +86,7 @@ impl<'a> SimulatedTable<'a> {
             velocity: motor.velocity[0],
             acceleration: motor.acceleration[0],
             half_gap_m: parameters.screw.half_gap_m(motor_m),
+            compliance_change: parameters.screw.compliance(motor_m) - 1.0,
             time_s: start_s,
             ..ScrewMotion::default()
         };
@@ -118,6 +119,7 @@ impl<'a> SimulatedTable<'a> {
             acceleration: point.acceleration + dividing_error.acceleration + screw_error.acceleration,
             error_velocity: screw_error.rate,
             half_gap_m: parameters.screw.half_gap_m(self.motor_m),
+            compliance_change: parameters.screw.compliance(self.motor_m) - 1.0,
             time_s: self.screw.time_s + step_s,
         };
         self.table.step(&self.step, self.screw);

@@ -40,7 +40,7 @@ pub fn with_variation(
     if has_any_shape(&model.axis.effect) {
         return None;
     }
-    let residual = || shape(data, &fitted.residuals, scope, model.axis.settings.mechanics.lead_mm);
+    let residual = || shape(data, &fitted.residuals, scope, &model.axis.settings.mechanics);
     Some(with_companion(model, candidate.variation(&residual, data.travel_mm())?))
 }
 

@@ -13,7 +13,7 @@ use model::effects::{Effect, EffectContext, Stage, initial_guesses};
 pub fn missing_effects(data: &FitData<'_>, base: &Fitted, scope: &Scope) -> Vec<Effect> {
     let model = &base.model;
     let others: Vec<String> = data.names.iter().filter(|name| *name != data.name()).cloned().collect();
-    let residual = shape(data, &base.residuals, scope, model.axis.settings.mechanics.lead_mm);
+    let residual = shape(data, &base.residuals, scope, &model.axis.settings.mechanics);
     let names: Vec<&'static str> = model.axis.effect.iter().map(Effect::name).collect();
     let logged = logged_channels(data.logs, data.axis);
     let context = EffectContext {

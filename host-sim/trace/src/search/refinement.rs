@@ -28,7 +28,7 @@ pub fn refined(data: &FitData<'_>, mut fitted: Fitted, scope: &Scope) -> Fitted 
 
 fn finer(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> Option<Fitted> {
     let model = &fitted.model;
-    let residual = || shape(data, &fitted.residuals, scope, model.axis.settings.mechanics.lead_mm);
+    let residual = || shape(data, &fitted.residuals, scope, &model.axis.settings.mechanics);
     let mut found = model.found().iter().enumerate().filter(|(_, effect)| scope.holds(effect));
     let (index, refined) = found.find_map(|(index, effect)| Some((index, effect.refined(&residual)?)))?;
     let finer = model.without(index).with(refined);

@@ -14,11 +14,25 @@ pub struct Sample {
     pub position_mm: f64,
     /// Direction of motion, −1 or 1.
     pub direction: f64,
-    /// Residual without its dependence on velocity, acceleration and direction, and without a line, µm or N.
+    /// Velocity of that axis, m/s.
+    pub velocity: f64,
+    /// Its acceleration, m/s².
+    pub acceleration: f64,
+    /// Residual without its dependence on velocity, acceleration and direction, and without a line, µm or N; times a factor f.
     pub residual: f64,
+    /// f², so that Σ residual / Σ weight is the best coefficient of f in the residual.
+    pub weight: f64,
     /// Fold of the cross-validation. Blocks alternate, unlike those of [`super::held_out`]: a map can predict only positions
     /// that the fitted data contain, and a log may visit the ends of its travel once.
     pub fold: usize,
+}
+
+impl Sample {
+    /// The sample with its residual as a multiple of a factor.
+    #[must_use]
+    pub fn as_multiple_of(&self, factor: f64) -> Self {
+        Self { residual: factor * self.residual, weight: factor * factor * self.weight, ..*self }
+    }
 }
 
 /// The samples of a stage that count.
@@ -66,9 +80,16 @@ fn gathered<'a, const N: usize>(
         let counts = data.counting(stage, series.log);
         let fold_of = |i: usize| i * BLOCKS / series.values.len() % FOLDS;
         for i in (0..series.values.len()).filter(|&i| counts(i)) {
-            let (position_mm, direction) = (1e3 * motion.value[i], 1.0f64.copysign(motion.velocity[i]));
             rows.push(row(series.log, motion, i));
-            samples.push(Sample { position_mm, direction, residual: series.values[i], fold: fold_of(i) });
+            samples.push(Sample {
+                position_mm: 1e3 * motion.value[i],
+                direction: 1.0f64.copysign(motion.velocity[i]),
+                velocity: motion.velocity[i],
+                acceleration: motion.acceleration[i],
+                residual: series.values[i],
+                weight: 1.0,
+                fold: fold_of(i),
+            });
         }
     }
     remove(&rows, &mut samples);
@@ -112,7 +133,16 @@ pub(super) mod tests {
             let angle = f64::from(i) * std::f64::consts::TAU / 1000.0;
             let (position_mm, direction) = (75.0 * libm::sin(angle), 1.0f64.copysign(libm::cos(angle)));
             let residual = residual(position_mm, direction) + noise(i);
-            Sample { position_mm, direction, residual, fold: (i / 2000) as usize }
+            let [velocity, acceleration] = [0.1 * libm::cos(angle), -libm::sin(angle)];
+            Sample {
+                position_mm,
+                direction,
+                velocity,
+                acceleration,
+                residual,
+                weight: 1.0,
+                fold: (i / 2000) as usize,
+            }
         };
         (0..6000).map(sample).collect()
     }

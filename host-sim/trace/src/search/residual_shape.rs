@@ -8,6 +8,7 @@ use super::residual_samples::{Sample, samples, samples_over, solve};
 use crate::fit::fit_data::{FitData, ResidualSeries};
 use crate::fit::normal_equations::FOLDS;
 use crate::fit::scope::{Scope, ShownIn};
+use model::axis::Mechanics;
 use model::effects::{ResidualOverOther, ResidualShape, Stage, WaveOf};
 use model::position_curve::PositionCurve;
 
@@ -30,21 +31,24 @@ pub fn shape(
     data: &FitData<'_>,
     residuals: &[ResidualSeries],
     scope: &Scope,
-    lead_mm: Option<f64>,
+    mechanics: &Mechanics,
 ) -> ResidualShape {
     let options = &data.options.search;
     let min_share = options.promising * options.min_reduction;
     let travel_mm = data.travel_mm();
     let count = |&count: &u32| {
         let spacing_mm = (travel_mm[1] - travel_mm[0]) / f64::from(count - 1);
-        lead_mm.is_none_or(|lead_mm| spacing_mm >= MIN_SPACING_OF_LEAD * lead_mm)
+        mechanics.lead_mm.is_none_or(|lead_mm| spacing_mm >= MIN_SPACING_OF_LEAD * lead_mm)
     };
     let counts: Vec<u32> = KNOTS.into_iter().filter(count).collect();
     let table = samples(data, residuals, scope.shown_in.of(Stage::Table));
     let force = samples(data, residuals, Stage::Force);
-    let friction: Vec<Sample> = force
+    let friction: Vec<Sample> =
+        force.iter().map(|sample| sample.as_multiple_of(sample.direction)).collect();
+    let stretch: Vec<Sample> = table
         .iter()
-        .map(|sample| Sample { residual: sample.direction * sample.residual, ..*sample })
+        .map(|sample| sample.as_multiple_of(force_on_table_n(mechanics, sample)))
+        .filter(|sample| sample.weight > 0.0)
         .collect();
 
     let curves = Curves { counts: &counts, travel_mm, min_share };
@@ -55,9 +59,18 @@ pub fn shape(
         pitch_knots: pitch.map(|fit| fit.count),
         pitch_knots_each_way: each_way.map(|fit| fit.count),
         friction_knots: curves.best(&friction, false, None).map(|fit| fit.count),
+        stiffness_knots: curves.best(&stretch, false, None).map(|fit| fit.count),
         tool_over_others: over_others(data, residuals, scope, min_share),
         waves: all.into_iter().flat_map(|(of, samples)| waves(of, samples, travel_mm, min_share)).collect(),
     }
+}
+
+/// The force that drives the table at a sample, N, to which the stretch of the spring is proportional; 0 if its mass is not known.
+fn force_on_table_n(mechanics: &Mechanics, sample: &Sample) -> f64 {
+    let Some(mass_kg) = mechanics.table_mass_kg else { return 0.0 };
+    mass_kg * sample.acceleration
+        + mechanics.coulomb_n.unwrap_or(0.0) * sample.direction
+        + mechanics.viscous_n_s_per_m.unwrap_or(0.0) * sample.velocity
 }
 
 /// How the tool residual depends on the positions of the other axes. None if it depends more on that of the axis itself, or a bump over it is
@@ -97,7 +110,8 @@ struct Bin {
     direction: f64,
     fold: usize,
     mean: f64,
-    count: f64,
+    /// Sum of the weights.
+    weight: f64,
 }
 
 /// A number of knots, with the Σr² that is left on data that were not fitted; of the curve that is taken, that which the best
@@ -123,8 +137,8 @@ impl Curves<'_> {
     /// removes enough more than the `known` one.
     fn best(&self, samples: &[Sample], differs: bool, known: Option<CurveFit>) -> Option<CurveFit> {
         let bins = self.bins(samples);
-        let total: f64 = samples.iter().map(|sample| sample.residual * sample.residual).sum();
-        let without = bins.iter().map(|bin| bin.count * bin.mean * bin.mean).sum::<f64>();
+        let total: f64 = samples.iter().map(|sample| sample.residual * sample.residual / sample.weight).sum();
+        let without = bins.iter().map(|bin| bin.weight * bin.mean * bin.mean).sum::<f64>();
         let known = known.map_or(without, |fit| fit.left);
         let fits: Vec<(u32, f64)> =
             self.counts.iter().map(|&count| (count, self.left(&bins, count, differs))).collect();
@@ -144,16 +158,16 @@ impl Curves<'_> {
             let bin = ((sample.position_mm - from) / width_mm).clamp(0.0, (BINS - 1) as f64) as usize;
             let way = usize::from(sample.direction > 0.0);
             let sum = &mut sums[(bin * 2 + way) * FOLDS + sample.fold];
-            *sum = (sum.0 + sample.residual, sum.1 + 1.0);
+            *sum = (sum.0 + sample.residual, sum.1 + sample.weight);
         }
-        let bin = |(index, (sum, count)): (usize, (f64, f64))| {
+        let bin = |(index, (sum, weight)): (usize, (f64, f64))| {
             let way = index / FOLDS % 2;
-            (count > 0.0).then(|| Bin {
+            (weight > 0.0).then(|| Bin {
                 position_mm: from + width_mm * ((index / (2 * FOLDS)) as f64 + 0.5),
                 direction: if way == 1 { 1.0 } else { -1.0 },
                 fold: index % FOLDS,
-                mean: sum / count,
-                count,
+                mean: sum / weight,
+                weight,
             })
         };
         sums.into_iter().enumerate().filter_map(bin).collect()
@@ -174,13 +188,13 @@ impl Curves<'_> {
         let of_fold = |fold: usize| {
             let (mut curvature, mut gradient) = (DMatrix::zeros(size, size), DVector::zeros(size));
             for (row, bin) in rows.iter().zip(bins).filter(|(_, bin)| bin.fold != fold) {
-                curvature.syger(bin.count, row, row, 1.0);
-                gradient.axpy(bin.count * bin.mean, row, 1.0);
+                curvature.syger(bin.weight, row, row, 1.0);
+                gradient.axpy(bin.weight * bin.mean, row, 1.0);
             }
             curvature.fill_upper_triangle_with_lower_triangle();
             let solution = solve(curvature, &gradient).unwrap_or_else(|| DVector::zeros(size));
             let held_out = rows.iter().zip(bins).filter(|(_, bin)| bin.fold == fold);
-            held_out.map(|(row, bin)| bin.count * (bin.mean - row.dot(&solution)).powi(2)).sum::<f64>()
+            held_out.map(|(row, bin)| bin.weight * (bin.mean - row.dot(&solution)).powi(2)).sum::<f64>()
         };
         (0..FOLDS).map(of_fold).sum()
     }

@@ -10,6 +10,8 @@ pub struct ResidualShape {
     pub pitch_knots_each_way: Option<u32>,
     /// Number of knots that describe the force residual against the motion best.
     pub friction_knots: Option<u32>,
+    /// Number of knots that describe best by what factor of the modelled stretch between motor and table the table residual changes.
+    pub stiffness_knots: Option<u32>,
     /// Of each other axis over which the tool residual depends more than on a line, how.
     pub tool_over_others: Vec<ResidualOverOther>,
     /// Periodic parts.
@@ -26,6 +28,7 @@ impl ResidualShape {
             pitch_knots: Some(6),
             pitch_knots_each_way: Some(4),
             friction_knots: Some(5),
+            stiffness_knots: Some(4),
             tool_over_others: vec![over],
             waves: Vec::new(),
         }
