@@ -236,6 +236,7 @@ mod tests {
     use super::*;
     use crate::friction::Friction;
     use model::effects::{Backlash, FrictionAsymmetry, PeriodicError, PositionLoad, Stribeck, TorqueRipple};
+    use model::position_curve::PositionCurve;
 
     fn axis() -> AxisParameters {
         AxisParameters {
@@ -279,6 +280,35 @@ mod tests {
         let [error, of_eighth] = [1, 8].map(|steps| rms_nm(&positions(&axis(), steps), &fine));
         assert!(error < 20.0, "{error} nm");
         assert!((32.0..128.0).contains(&(error / of_eighth)), "{error} {of_eighth}");
+    }
+
+    /// Where the spring is softer, the resonance of motor and table is slower by the square root: of free masses m and M on a spring of
+    /// k/1.44, √(k·(1/m + 1/M))/1.2. The coupling in the middle of a step is of second order, (ω·h)²/24 = 0.04 % of ω.
+    #[test]
+    fn a_softer_spring_oscillates_slower() {
+        let mut parameters = AxisParameters {
+            motor_mass_kg: 90.0,
+            table_mass_kg: 160.0,
+            spring: Some(Spring { stiffness_n_per_m: 2e8, damping_n_s_per_m: 0.0 }),
+            ..AxisParameters::default()
+        };
+        parameters.screw.compliance_map = PositionCurve::new(&[-1.0, 1.0], &[0.44, 0.44]);
+        let stepper = Stepper::new(&parameters, 0.0, 5e-5);
+        let mut motion = AxisMotion { motor_m: 1e-5, ..AxisMotion::default() };
+        let stretches: Vec<f64> = (0..4000)
+            .map(|_| {
+                stepper.step(&parameters, &mut motion, 0.0);
+                motion.motor_m - motion.table_m
+            })
+            .collect();
+        let rises = stretches.windows(2).filter(|two| two[0] < 0.0 && two[1] >= 0.0).count();
+        // 0.2 s of 262.1 Hz/1.2; a count of whole periods is off by less than one.
+        let expected = 0.2 * (2e8_f64 * (1.0 / 90.0 + 1.0 / 160.0)).sqrt() / std::f64::consts::TAU / 1.2;
+        assert!((rises as f64 - expected).abs() < 1.0, "{rises} {expected}");
+        // Nothing damps or drives it.
+        let largest = |part: &[f64]| part.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let kept = largest(&stretches[3800..]) / largest(&stretches[..200]);
+        assert!((0.98..1.02).contains(&kept), "{kept}");
     }
 
     #[test]

@@ -99,6 +99,18 @@ impl Screw {
         }
     }
 
+    /// Least and greatest compliance of the spring, as parts of that of [`Spring`].
+    #[must_use]
+    pub fn compliance_range(&self) -> [f64; 2] {
+        /// Steps between the ends of the map: a spline bends at most once between two knots, and a map has at most 25.
+        const STEPS: u32 = 400;
+        let Some([from_m, to_m]) = self.compliance_map.range() else { return [1.0; 2] };
+        let at = |i: u32| self.compliance(from_m + (to_m - from_m) * f64::from(i) / f64::from(STEPS));
+        (0..=STEPS)
+            .map(at)
+            .fold([f64::INFINITY, 0.0], |[least, most], value| [least.min(value), most.max(value)])
+    }
+
     /// Part of a deflection (nut − table, m) at a true motor position (m) that does not strain [`Spring`] with its constant stiffness: the
     /// gap, and by what a more compliant spring yields more.
     #[must_use]
@@ -143,6 +155,8 @@ mod tests {
         assert!((screw.yielded_m(0.0, -7e-6) + 3e-6).abs() < 1e-15);
         // No map makes a spring of negative compliance.
         assert!((screw.compliance(0.1) - 0.1).abs() < 1e-15);
+        let [least, most] = screw.compliance_range();
+        assert!((least - 0.1).abs() < 1e-15 && (most - 1.25).abs() < 1e-15);
         assert!((Screw::default().yielded_m(0.0, 7e-6)).abs() < 1e-15);
     }
 

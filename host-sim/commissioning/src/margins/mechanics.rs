@@ -22,11 +22,16 @@ pub enum Condition {
     Sticking,
     /// The nut is within the backlash: the motor moves without the table.
     InBacklash,
+    /// The table slides where the drive train is most compliant.
+    Softest,
+    /// The table slides where the drive train is least compliant.
+    Stiffest,
 }
 
 impl Condition {
     /// All conditions.
-    pub const ALL: [Self; 3] = [Self::Sliding, Self::Sticking, Self::InBacklash];
+    pub const ALL: [Self; 5] =
+        [Self::Sliding, Self::Sticking, Self::InBacklash, Self::Softest, Self::Stiffest];
 
     /// Name in results.
     #[must_use]
@@ -35,6 +40,8 @@ impl Condition {
             Self::Sliding => "sliding",
             Self::Sticking => "sticking",
             Self::InBacklash => "in backlash",
+            Self::Softest => "softest",
+            Self::Stiffest => "stiffest",
         }
     }
 
@@ -45,6 +52,17 @@ impl Condition {
             Self::Sliding => true,
             Self::Sticking => axis.friction.has_bristles() && axis.friction.coulomb_n > 0.0,
             Self::InBacklash => axis.spring.is_some() && axis.screw.has_gap(),
+            Self::Softest | Self::Stiffest => axis.spring.is_some() && !axis.screw.compliance_map.is_empty(),
+        }
+    }
+
+    /// Compliance of the drive train, as a part of the declared one.
+    fn compliance(self, axis: &AxisParameters) -> f64 {
+        let [least, most] = axis.screw.compliance_range();
+        match self {
+            Self::Softest => most,
+            Self::Stiffest => least,
+            _ => 1.0,
         }
     }
 }
@@ -86,9 +104,10 @@ impl Mechanics {
             rates[(position, position + 1)] = 1.0;
         }
         if let (Some(spring), true) = (&axis.spring, has_table) {
+            let stiffness_n_per_m = spring.stiffness_n_per_m / condition.compliance(axis);
             for (on, kg, sign) in [(MOTOR, motor_kg, -1.0), (2, axis.table_mass_kg, 1.0)] {
                 for (by, direction) in [(MOTOR, sign), (2, -sign)] {
-                    rates[(on + 1, by)] += direction * spring.stiffness_n_per_m / kg;
+                    rates[(on + 1, by)] += direction * stiffness_n_per_m / kg;
                     rates[(on + 1, by + 1)] += direction * spring.damping_n_s_per_m / kg;
                 }
             }

@@ -11,6 +11,7 @@ fn shape() -> ResidualShape {
     ResidualShape {
         pitch_knots: Some(5),
         friction_knots: Some(4),
+        stiffness_knots: Some(4),
         tool_over_others: vec![over],
         ..ResidualShape::default()
     }

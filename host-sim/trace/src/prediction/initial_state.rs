@@ -64,14 +64,8 @@ pub fn steady_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64, t
     let nominal_m = parameters.screw.nominal_m(motor_m);
     let half_gap_m = parameters.screw.half_gap_m(motor_m);
     let compliance_change = parameters.screw.compliance(motor_m) - 1.0;
-    let screw = ScrewMotion {
-        nominal_m,
-        velocity,
-        half_gap_m,
-        compliance_change,
-        time_s,
-        ..ScrewMotion::default()
-    };
+    let screw =
+        ScrewMotion { nominal_m, velocity, half_gap_m, compliance_change, time_s, ..ScrewMotion::default() };
     let table = DrivenTable::settled(parameters, screw);
     AxisMotion {
         motor_m,

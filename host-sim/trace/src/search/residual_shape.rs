@@ -43,8 +43,7 @@ pub fn shape(
     let counts: Vec<u32> = KNOTS.into_iter().filter(count).collect();
     let table = samples(data, residuals, scope.shown_in.of(Stage::Table));
     let force = samples(data, residuals, Stage::Force);
-    let friction: Vec<Sample> =
-        force.iter().map(|sample| sample.as_multiple_of(sample.direction)).collect();
+    let friction: Vec<Sample> = force.iter().map(|sample| sample.as_multiple_of(sample.direction)).collect();
     let stretch: Vec<Sample> = table
         .iter()
         .map(|sample| sample.as_multiple_of(force_on_table_n(mechanics, sample)))
@@ -231,6 +230,29 @@ mod tests {
         // Noise has no curve, and equal ways need no second one.
         assert!(best(&moved(|_, _| 0.0), false, None).is_none());
         assert!(best(&wavy, true, Some(fit)).is_none());
+    }
+
+    /// A stretch whose factor follows a parabola over the position, under a force that reverses at both ends, is no curve of the residual
+    /// itself in both directions, but one of the residual as a multiple of the force.
+    #[test]
+    fn a_stretch_that_varies_is_a_curve_of_multiples_of_the_force() {
+        let mechanics =
+            Mechanics { table_mass_kg: Some(100.0), coulomb_n: Some(150.0), ..Mechanics::default() };
+        let of_force = |sample: &Sample| {
+            let force_n = force_on_table_n(&mechanics, sample);
+            Sample {
+                residual: 0.01 * force_n * (sample.position_mm / 50.0).powi(2) + sample.residual,
+                ..*sample
+            }
+        };
+        let samples: Vec<Sample> = moved(|_, _| 0.0).iter().map(of_force).collect();
+        let stretch: Vec<Sample> = samples
+            .iter()
+            .map(|sample| sample.as_multiple_of(force_on_table_n(&mechanics, sample)))
+            .collect();
+        assert!((4..=6).contains(&best(&stretch, false, None).unwrap().count));
+        // Of an axis whose mass is not known there are no multiples.
+        assert!(force_on_table_n(&Mechanics::default(), &samples[0]) == 0.0);
     }
 
     #[test]
