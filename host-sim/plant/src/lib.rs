@@ -10,17 +10,17 @@
 //! | [`equivalent`] | machines of which masses or loops are not known, as machines that can be simulated |
 //! | [`machine_sim`] | the machine in one tick: commanded forces in, readings and measurements out |
 //! | [`instruments`] | lag of the drives, sensors and their latencies, the same for all axes |
-//! | [`parameters`] | the physical parameters of an axis: keys and effects of the machine file, in SI |
+//! | [`parameters`] | the physical parameters of an axis: keys and effects of the machine file, in SI; the longest step that they allow |
 //! | [`mechanics`] | one step of an axis from its drive to its table: motor, screw, guide |
 //! | [`transition`] | its linear part: masses, spring, viscous friction and drive lag, exact |
 //! | [`following`] | instead of a motor with masses: one that follows its command |
 //! | [`screw`] | pitch errors, backlash and elasticity between motor and table |
 //! | [`scale`] | errors of the linear scale |
-//! | [`guide`] | force of the guideway over a step: implicit friction, load |
+//! | [`guide`], [`load`] | force of the guideway over a step: implicit friction, load |
 //! | [`friction`], [`presliding`], [`friction_direction`] | the friction laws |
 //! | [`axis_motion`] | the state of an axis: positions, velocities, bristles |
 //! | [`coupled_axes`], [`multibody`] | instead of `mechanics` where the machine file describes rigid bodies |
-//! | [`tool_point`] | from table to tool: offsets by acceleration, position and time; modes; alignment of the probe |
+//! | [`tool_point`], [`tool_parameters`] | from table to tool: offsets by acceleration, position and time; modes; alignment of the probe |
 //! | [`residuals`] | residuals that no effect describes |
 //! | [`delay`], [`sensors`] | latency, noise and quantisation of the readings and of the log |
 //! | [`lane`] | arithmetic for one axis, or for two in one SIMD register |
@@ -44,6 +44,7 @@ pub mod friction_direction;
 pub mod guide;
 pub mod instruments;
 pub mod lane;
+pub mod load;
 pub mod machine_path;
 pub mod machine_sim;
 pub mod mechanics;
@@ -56,6 +57,8 @@ pub mod scale;
 pub mod screw;
 pub mod sensors;
 pub mod simulate;
+mod step_limit;
 pub mod stepper;
+pub mod tool_parameters;
 pub mod tool_point;
 pub mod transition;

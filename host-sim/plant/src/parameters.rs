@@ -2,24 +2,22 @@
 //! act.
 
 use model::axis::Mechanics;
+use model::bodies;
 use model::effects::{
-    Channel, ConstantLoad, Crosstalk, DriveAsymmetry, Effect, EffectModel, ForceWindup, Gravity,
-    InertialWindup, Intalk, Latency, LostMotion, Mode, MotorStribeck, PeriodicError, PositionLoad, Resonance,
-    Squareness, Straightness, ThermalDrift, ThermalRate, TorqueRipple,
+    Channel, DriveAsymmetry, Effect, ForceWindup, InertialWindup, Latency, LostMotion, MotorStribeck,
+    PeriodicError, TorqueRipple,
 };
 use model::machine::{Axis, Machine};
-use model::position_curve::PositionCurve;
+use model::servo::ServoParameters;
 
 use super::friction::{self, Friction};
 use super::friction_direction::{self, DRIVE_SLIP_M};
-use super::probe::Probe;
+use super::load::Load;
 use super::residuals::Residuals;
 use super::scale::Scale;
 use super::screw::{Screw, Spring};
 use super::stepper::Stepper;
-
-use model::bodies;
-use model::servo::ServoParameters;
+use super::tool_parameters::ToolParameters;
 
 /// Stretch of a drive train that is practically rigid, m per m/s²: 1 nm under 1 m/s².
 const LEAST_STRETCH_S2: f64 = 1e-9;
@@ -72,77 +70,6 @@ pub struct AxisParameters {
     pub latency: Vec<Latency>,
     /// Residuals of the logged channels that no effect describes.
     pub residuals: Residuals,
-}
-
-/// Forces on the table against motion in the + direction that do not depend on its velocity.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Load {
-    /// Constant force.
-    pub constant: ConstantLoad,
-    /// Force that grows along the travel.
-    pub position: Option<PositionLoad>,
-    /// Torque of gravity on a rotary axis.
-    pub gravity: Option<Gravity>,
-}
-
-impl Load {
-    /// The sum at a position of the table (m), N.
-    #[must_use]
-    #[inline]
-    pub fn force_n(&self, position_m: f64) -> f64 {
-        self.constant.force_n + self.varying_n(position_m)
-    }
-
-    /// The part that depends on the position of the table (m), N.
-    #[must_use]
-    #[inline]
-    pub fn varying_n(&self, position_m: f64) -> f64 {
-        let along = self.position.as_ref().map_or(0.0, |load| load.force_n(position_m));
-        along + self.gravity.as_ref().map_or(0.0, |gravity| gravity.force_n(position_m))
-    }
-
-    /// Whether [`Self::varying_n`] is anywhere not zero.
-    #[must_use]
-    pub const fn varies(&self) -> bool {
-        self.position.is_some() || self.gravity.is_some()
-    }
-}
-
-/// Effects between table and tool.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ToolParameters {
-    /// Offset per acceleration of the axis itself.
-    pub intalk: Intalk,
-    /// Offset per acceleration of another axis.
-    pub crosstalk: Vec<Crosstalk>,
-    /// Offset per position of the other axis.
-    pub squareness: Squareness,
-    /// Offset per squared position of another axis.
-    pub straightness: Vec<Straightness>,
-    /// Offset over the position of another axis, by its name: m over m.
-    pub straightness_maps: Vec<(String, PositionCurve)>,
-    /// Offsets over the time of the session that approach an end.
-    pub drifts: Vec<ThermalDrift>,
-    /// Offset in proportion to the time of the session.
-    pub rate: ThermalRate,
-    /// Modes in which the tool oscillates against the table.
-    pub resonances: Vec<Resonance>,
-    /// Alignment of the probe that reads the tool.
-    pub probe: Probe,
-}
-
-impl ToolParameters {
-    /// The modes in which the tool oscillates against the table.
-    pub fn modes(&self) -> impl Iterator<Item = Mode> + '_ {
-        self.resonances.iter().filter_map(EffectModel::mode)
-    }
-
-    /// Largest displacement of the tool per acceleration of its own axis, far below the frequencies of its modes, m per m/s².
-    #[must_use]
-    pub fn max_displacement_s2(&self) -> f64 {
-        let of_modes: f64 = self.resonances.iter().map(|mode| mode.static_s2().abs()).sum();
-        self.intalk.offset_m(1.0).abs() + of_modes
-    }
 }
 
 impl AxisParameters {
@@ -385,47 +312,5 @@ impl AxisParameters {
     pub fn latency_s(&self, channel: Channel) -> f64 {
         let of = |latency: &Latency| if latency.channel == channel { 1e-3 * latency.ms } else { 0.0 };
         self.latency.iter().map(of).sum()
-    }
-
-    /// Longest step (s) that resolves what is not linear; see [`AxisParameters::step_limit`].
-    #[must_use]
-    pub fn max_step_s(&self) -> f64 {
-        self.step_limit().1
-    }
-
-    /// The machine file's key that limits the step, and the longest step (s) that it allows.
-    ///
-    /// The linear part is exact at any step. The fastest of these nonlinear parts limits it: the bristles of the guide
-    /// under the table, 0.06 rad of √(σ0/m) per step; the friction of the motor about standstill, 0.2 of Fc/(w·m), or while it turns over, as the bristles; the
-    /// contact at the edges of the backlash, 0.1 rad of √(k·(1/m + 1/M)). It is at most 1 ms.
-    #[must_use]
-    pub fn step_limit(&self) -> (&'static str, f64) {
-        let (motor_kg, table_kg) = match self.spring {
-            Some(_) => (self.motor_mass_kg, self.table_mass_kg),
-            None => (self.motor_mass_kg + self.table_mass_kg, self.motor_mass_kg + self.table_mass_kg),
-        };
-        let bristles = (self.friction.bristle_stiffness_n_per_m / table_kg).sqrt();
-        let motor = self.motor_level_n(0.0) / friction::SIGN_WIDTH_M_PER_S / motor_kg;
-        let contact = match &self.spring {
-            Some(spring) if self.screw.has_gap() || !self.screw.compliance_map.is_empty() => {
-                (spring.stiffness_n_per_m * (motor_kg.recip() + table_kg.recip())).sqrt()
-            }
-            _ => 0.0,
-        };
-        // The friction of the motor that turns over is a spring.
-        let turning = (self.motor_turning_n / DRIVE_SLIP_M / motor_kg).sqrt();
-        // Steps per second.
-        let rates = [
-            ("presliding_stiffness_n_per_um", bristles / 0.06),
-            ("motor_coulomb_n", motor / 0.2),
-            ("motor_mass_kg", turning / 0.06),
-            ("stiffness_n_per_um", contact / 0.1),
-        ];
-        let min_rate = ("velocity_loop_rate_hz", 1e3);
-        let faster = |fastest: (&'static str, f64), rate: (&'static str, f64)| {
-            if rate.1 > fastest.1 { rate } else { fastest }
-        };
-        let (key, rate) = rates.into_iter().fold(min_rate, faster);
-        (key, rate.recip())
     }
 }

@@ -5,7 +5,7 @@ use nalgebra::Matrix3;
 use model::effects::{Crosstalk, Resonance, Straightness, ThermalDrift};
 use model::position_curve::PositionCurve;
 
-use super::parameters::ToolParameters;
+use super::tool_parameters::ToolParameters;
 
 /// The tables of all axes at one instant.
 #[derive(Clone, Copy, Debug)]

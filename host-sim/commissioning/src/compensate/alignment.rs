@@ -7,9 +7,10 @@ use files::log::{Channel as LogChannel, Log};
 use model::effects::{Channel, Timing};
 use model::machine::Machine;
 use numerics::resample::delayed_cubic;
-use plant::parameters::{AxisParameters, ToolParameters};
+use plant::parameters::AxisParameters;
 use plant::probe::Probe;
 use plant::scale::Scale;
+use plant::tool_parameters::ToolParameters;
 
 /// A log with its channels at the same instants and without the errors of scales and probes, by the effects of a machine's model. The
 /// last samples of a channel that is moved keep its last value.

@@ -8,8 +8,9 @@ use shared::compensate::settings::{POINTS, Pitch, PitchSource, Points, Straightn
 use crate::compensate::cycles::{self, Wave};
 use model::effects::{Mode, PeriodicError};
 use model::position_curve::PositionCurve;
-use plant::parameters::{AxisParameters, ToolParameters};
+use plant::parameters::AxisParameters;
 use plant::screw::Screw;
+use plant::tool_parameters::ToolParameters;
 
 /// Table of a drift: this many time constants, after which 1 % of it is left.
 const DRIFT_TIME_CONSTANTS: f64 = 4.6;

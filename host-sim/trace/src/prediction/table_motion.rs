@@ -7,9 +7,10 @@ use crate::input::smoothing::Smooth;
 use crate::input::table_motions::TableMotion;
 use model::servo::ServoParameters;
 use plant::driven::{DrivenStep, DrivenTable, ScrewMotion};
-use plant::parameters::{AxisParameters, ToolParameters};
+use plant::parameters::AxisParameters;
 use plant::residuals::Residuals;
 use plant::screw::Spring;
+use plant::tool_parameters::ToolParameters;
 
 /// The measured motion of a motor.
 #[derive(Clone, Copy, Debug)]

@@ -1,0 +1,45 @@
+//! The parameters of what is between table and tool.
+
+use model::effects::{
+    Crosstalk, EffectModel, Intalk, Mode, Resonance, Squareness, Straightness, ThermalDrift, ThermalRate,
+};
+use model::position_curve::PositionCurve;
+
+use super::probe::Probe;
+
+/// Effects between table and tool.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ToolParameters {
+    /// Offset per acceleration of the axis itself.
+    pub intalk: Intalk,
+    /// Offset per acceleration of another axis.
+    pub crosstalk: Vec<Crosstalk>,
+    /// Offset per position of the other axis.
+    pub squareness: Squareness,
+    /// Offset per squared position of another axis.
+    pub straightness: Vec<Straightness>,
+    /// Offset over the position of another axis, by its name: m over m.
+    pub straightness_maps: Vec<(String, PositionCurve)>,
+    /// Offsets over the time of the session that approach an end.
+    pub drifts: Vec<ThermalDrift>,
+    /// Offset in proportion to the time of the session.
+    pub rate: ThermalRate,
+    /// Modes in which the tool oscillates against the table.
+    pub resonances: Vec<Resonance>,
+    /// Alignment of the probe that reads the tool.
+    pub probe: Probe,
+}
+
+impl ToolParameters {
+    /// The modes in which the tool oscillates against the table.
+    pub fn modes(&self) -> impl Iterator<Item = Mode> + '_ {
+        self.resonances.iter().filter_map(EffectModel::mode)
+    }
+
+    /// Largest displacement of the tool per acceleration of its own axis, far below the frequencies of its modes, m per m/s².
+    #[must_use]
+    pub fn max_displacement_s2(&self) -> f64 {
+        let of_modes: f64 = self.resonances.iter().map(|mode| mode.static_s2().abs()).sum();
+        self.intalk.offset_m(1.0).abs() + of_modes
+    }
+}
