@@ -22,10 +22,8 @@ pub struct Stepper<L> {
     step: StepTime,
     /// Screw and nut in contact.
     in_contact: Transition<L>,
-    /// The nut within the gap of the screw; equal to `in_contact` where there is no gap.
-    in_gap: Transition<L>,
-    /// Whether there is a gap.
-    has_gap: bool,
+    /// The nut within the gap of the screw; `None`: there is no gap.
+    in_gap: Option<Transition<L>>,
     /// Whether screw and nut are always in contact, with the same stiffness everywhere.
     is_coupling_constant: bool,
     guide: Guide<L>,
@@ -72,8 +70,7 @@ impl Stepper<f64> {
         Self {
             step: StepTime::new(step_s),
             in_contact,
-            in_gap: if has_gap { two_masses(None) } else { in_contact },
-            has_gap,
+            in_gap: has_gap.then(|| two_masses(None)),
             is_coupling_constant: !has_gap && parameters.screw.compliance_map.is_empty(),
             guide: Guide::new(parameters),
             is_motor_ideal: !parameters.has_motor_friction()
@@ -113,12 +110,12 @@ impl Stepper<f64> {
         }
         let table_m = motion.table_m + motion.table_m_per_s * (0.5 * self.step.seconds);
         let deflection_m = middle_m + error_m - table_m;
-        if self.has_gap && deflection_m.abs() <= parameters.screw.half_gap_m(middle_m) {
-            Coupling { transition: &self.in_gap, offset_m: 0.0 }
-        } else {
-            let offset_m = error_m - parameters.screw.yielded_m(middle_m, deflection_m);
-            Coupling { transition: &self.in_contact, offset_m }
+        let is_in_gap = |_: &&_| deflection_m.abs() <= parameters.screw.half_gap_m(middle_m);
+        if let Some(transition) = self.in_gap.as_ref().filter(is_in_gap) {
+            return Coupling { transition, offset_m: 0.0 };
         }
+        let offset_m = error_m - parameters.screw.yielded_m(middle_m, deflection_m);
+        Coupling { transition: &self.in_contact, offset_m }
     }
 
     /// Whether [`Stepper::pair`] accepts the axis: it has a spring of the same stiffness everywhere, and no backlash.
@@ -138,8 +135,7 @@ impl Stepper<f64x2> {
         Some(Self {
             step: axes[0].step,
             in_contact,
-            in_gap: in_contact,
-            has_gap: false,
+            in_gap: None,
             is_coupling_constant: true,
             guide,
             is_motor_ideal: axes.iter().all(|axis| axis.is_motor_ideal),
