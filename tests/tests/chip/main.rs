@@ -4,6 +4,7 @@
 mod board_boot;
 mod cost;
 mod fault_table;
+mod flash_model;
 mod panic_free;
 mod processor_in_the_loop;
 mod random_motions;
