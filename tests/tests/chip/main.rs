@@ -11,4 +11,5 @@ mod random_motions;
 mod record;
 mod registers;
 mod servo_board;
+mod setup_values;
 mod stack_depth;

@@ -1,8 +1,8 @@
 //! Settings in the flash of the emulated chip. QEMU has no flash controller: what is loaded is tested here, saving is tested on the
 //! host (`shared/tests/link/saving.rs`) and on the emulated servo board (`servo_board`).
 
-use firmware::setup::LINK_SETTINGS;
-use shared::config::Rates;
+use firmware::setup::{AXES, LINK_SETTINGS};
+use shared::config::{AxisSettings, Rates};
 use shared::link::message::{BoardSettings, UploadKind};
 use shared::link::report::{SettingsReport, SettingsSource, StoredRecord};
 use shared::link::{Reply, Request};
@@ -28,15 +28,25 @@ const SLOT: usize = 2048;
 /// Ticks per position command in the record; the program has 5.
 const DIVIDER: u32 = 4;
 
-/// A slot with a record.
+/// A slot with a record of other ticks per position command.
 fn record() -> Vec<u8> {
+    slot_with(Rates { position_loop_divider: DIVIDER, ..LINK_SETTINGS.rates }, LINK_SETTINGS.axes)
+}
+
+/// A slot with a record of the settings of the program, changed for each axis.
+pub fn record_of(change: impl Fn(&mut AxisSettings)) -> Vec<u8> {
+    let mut axes = LINK_SETTINGS.axes;
+    axes.iter_mut().for_each(change);
+    slot_with(LINK_SETTINGS.rates, axes)
+}
+
+fn slot_with(rates: Rates, axes: [AxisSettings; AXES]) -> Vec<u8> {
     let mut flash = MemoryFlash::<{ 2 * SLOT }, SLOT, 1>::erased();
     let length = u32::try_from(SLOT).unwrap();
     let mut store = Store::new(&mut flash, Slots { starts: [0, length], length }, BOARD).unwrap();
-    let rates = Rates { position_loop_divider: DIVIDER, ..LINK_SETTINGS.rates };
     let mut writer = store.writer().unwrap();
     writer.message(&mut store, &UploadKind::Settings).unwrap();
-    writer.message(&mut store, &BoardSettings { rates, axes: LINK_SETTINGS.axes }).unwrap();
+    writer.message(&mut store, &BoardSettings { rates, axes }).unwrap();
     assert_eq!(writer.commit(&mut store), Ok(1));
     flash.bytes_mut()[..SLOT].to_vec()
 }

@@ -51,6 +51,10 @@ pub struct Interface {
     /// Keys that were given since the lock.
     keys: usize,
     busy: Cell<u32>,
+    /// An error that the next operation has, a bit of `FLASH_SR`.
+    pub next_error: u32,
+    /// Whether the keys do not unlock.
+    pub is_jammed: bool,
     /// Whether the watchdog has its longest period.
     pub watchdog_is_slow: bool,
     /// Writes so far.
@@ -72,6 +76,8 @@ impl Interface {
             sr: 0,
             keys: 0,
             busy: Cell::new(0),
+            next_error: 0,
+            is_jammed: false,
             watchdog_is_slow: false,
             writes: 0,
             fails_at,
@@ -108,8 +114,18 @@ impl Interface {
         Some(self.has_failed())
     }
 
+    fn begin_operation(&mut self) {
+        assert_eq!(self.sr, 0, "3.9.5: an error that is not cleared keeps the next operation from starting");
+        self.busy.set(BUSY_READS);
+        self.sr |= std::mem::take(&mut self.next_error);
+    }
+
     fn set_control(&mut self, value: u32, fails: bool) {
-        assert_eq!(self.cr & LOCK, 0, "FLASH_CR is locked: {value:#x}");
+        if self.cr & LOCK != 0 {
+            assert!(self.is_jammed && value == LOCK, "FLASH_CR is locked: {value:#x}");
+            self.keys = 0;
+            return;
+        }
         self.cr = value;
         if value & LOCK != 0 {
             self.keys = 0;
@@ -131,7 +147,7 @@ impl Interface {
             // An erase that is interrupted leaves some bits as they were.
             *byte |= if fails { random.random::<u8>() } else { 0xff };
         }
-        self.busy.set(BUSY_READS);
+        self.begin_operation();
     }
 }
 
@@ -168,7 +184,7 @@ impl FlashRegisters for Interface {
             Register::Key => {
                 assert_eq!(KEYS.get(self.keys), Some(&value), "a wrong key locks the flash until a reset");
                 self.keys += 1;
-                if self.keys == KEYS.len() {
+                if self.keys == KEYS.len() && !self.is_jammed {
                     self.cr &= !LOCK;
                 }
             }
@@ -211,7 +227,7 @@ impl FlashRegisters for Interface {
             if let Some(content) = self.cache.get_mut().get_mut(&u32::try_from(line).unwrap()) {
                 content[at - line] = self.memory[at];
             }
-            self.busy.set(BUSY_READS);
+            self.begin_operation();
         }
     }
 }

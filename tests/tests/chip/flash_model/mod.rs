@@ -120,6 +120,38 @@ fn an_erased_byte_is_not_read_from_the_data_cache() {
     }
 }
 
+/// The errors of 3.9.5: operation, write protection, alignment, parallelism, sequence. Each is reported by the access that has it, ends it,
+/// and is cleared before the next one.
+#[test]
+fn each_error_of_an_operation_is_reported_and_does_not_stay() {
+    for bit in [1, 4, 5, 6, 7] {
+        let mut interface = Interface::new(Interface::erased(), NEVER, 0);
+        interface.next_error = 1 << bit;
+        let mut flash = SettingsFlash::new(Watched(&mut interface));
+        let [first, second] = SLOTS.starts;
+        assert_eq!(flash.write(first, &[1, 2]), Err(NorFlashErrorKind::Other), "bit {bit}");
+        let mut read = [0; 2];
+        flash.read(first, &mut read).unwrap();
+        assert_eq!(read, [1, 0xff], "bit {bit}: no byte follows");
+        flash.write(first + 4, &[3]).unwrap();
+        flash.access_mut().0.next_error = 1 << bit;
+        assert_eq!(flash.erase(first, second), Err(NorFlashErrorKind::Other), "bit {bit}");
+        flash.erase(first, second).unwrap();
+    }
+}
+
+/// A flash that stays locked, as after a wrong key, is not accessed.
+#[test]
+fn a_flash_that_cannot_be_unlocked_is_an_error() {
+    let mut interface = Interface::new(Interface::erased(), NEVER, 0);
+    interface.is_jammed = true;
+    let mut flash = SettingsFlash::new(Watched(&mut interface));
+    let [first, second] = SLOTS.starts;
+    assert_eq!(flash.write(first, &[1]), Err(NorFlashErrorKind::Other));
+    assert_eq!(flash.erase(first, second), Err(NorFlashErrorKind::Other));
+    assert!(interface.into_memory().iter().all(|byte| *byte == 0xff));
+}
+
 /// Whatever is no slot is neither erased nor written nor, beyond the end, read; and nothing is written to a register.
 #[test]
 fn nothing_outside_of_the_slots_is_changed() {
