@@ -1,12 +1,15 @@
 //! The constants of an axis in machine units.
 
+mod schedule;
+
 use super::check::{finite, gain, gain_over_time, positive, ranged, resolved_gain};
 use super::error::ConfigError;
 use super::settings::{
-    AxisSettings, Brake, Law, LowPass, NOTCHES, Notch, Notches, Rates, ScaleLimits, Sensors,
+    AxisSettings, Brake, Law, LowPass, NOTCHES, Notch, Notches, Rates, SCHEDULE_POINTS, ScaleLimits, Sensors,
 };
 use crate::control::feedforward::Feedforward;
 use crate::control::filter::Filter;
+use crate::control::gain_schedule::Schedule;
 use crate::control::hpc::Hpc;
 use crate::control::position::PositionControl;
 use crate::control::velocity::VelocityControl;
@@ -92,6 +95,16 @@ impl LoopRates {
 }
 
 impl<S: Scalar> AxisConfig<S> {
+    /// Checks and converts the changes of the gains of [`velocity`](AxisConfig::velocity); `None`: they are constant. Apart from the
+    /// other constants, which are near each other for the ticks.
+    ///
+    /// # Errors
+    /// [`ConfigError`], as [`AxisConfig::new`] has for these settings.
+    pub fn schedule(settings: &AxisSettings, rates: Rates) -> Result<Option<Schedule<S>>, ConfigError> {
+        let rates = LoopRates::new(rates)?;
+        schedule::schedule(settings, &velocity_control(settings, &rates)?, &rates)
+    }
+
     /// Checks and converts settings.
     ///
     /// # Errors
@@ -103,6 +116,7 @@ impl<S: Scalar> AxisConfig<S> {
         let position_gain = resolved_gain::<S>("position_gain_per_s", kp, LENGTH_M / VELOCITY_M_PER_S)?;
         let feedforward = feedforward(settings, kp, &rates)?;
         let velocity = velocity_control(settings, &rates)?;
+        schedule::schedule(settings, &velocity, &rates)?;
         let feedback = feedback(settings, &rates)?;
         let deceleration = settings.stop_deceleration_m_per_s2 / (rates.position_rate * rates.position_rate);
         Ok(Self {
