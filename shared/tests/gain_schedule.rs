@@ -134,6 +134,8 @@ fn an_axis_that_is_not_homed_is_not_scheduled_over_position() {
 /// Each refusal names the setting with its range; the values beside it are accepted.
 #[test]
 fn a_schedule_beyond_its_ranges_is_refused_by_name() {
+    use ScheduledOver::{Position as OverPosition, Speed as OverSpeed};
+
     let of = |over, points: &[[f64; 2]]| {
         AxisConfig::<Fixed>::new(
             &AxisSettings { gain_schedule: schedule(over, points), ..AxisSettings::default() },
@@ -142,7 +144,6 @@ fn a_schedule_beyond_its_ranges_is_refused_by_name() {
         .map(|_| ())
         .map_err(|error| ConfigError::name(&error))
     };
-    use ScheduledOver::{Position as OverPosition, Speed as OverSpeed};
     let long: Vec<[f64; 2]> = (0..SCHEDULE_POINTS).map(|k| [0.01 * k as f64, 1.0]).collect();
     assert_eq!(of(OverPosition, &long), Ok(()));
     assert_eq!(schedule(OverPosition, &[long.as_slice(), &[[1.0, 1.0]]].concat()), None);

@@ -1,11 +1,10 @@
 //! The constants of an axis in machine units.
 
-mod schedule;
-
 use super::check::{finite, gain, gain_over_time, positive, ranged, resolved_gain};
 use super::error::ConfigError;
+use super::schedule::schedule;
 use super::settings::{
-    AxisSettings, Brake, Law, LowPass, NOTCHES, Notch, Notches, Rates, SCHEDULE_POINTS, ScaleLimits, Sensors,
+    AxisSettings, Brake, Law, LowPass, NOTCHES, Notch, Notches, Rates, ScaleLimits, Sensors,
 };
 use crate::control::feedforward::Feedforward;
 use crate::control::filter::Filter;
@@ -101,8 +100,7 @@ impl<S: Scalar> AxisConfig<S> {
     /// # Errors
     /// [`ConfigError`], as [`AxisConfig::new`] has for these settings.
     pub fn schedule(settings: &AxisSettings, rates: Rates) -> Result<Option<Schedule<S>>, ConfigError> {
-        let rates = LoopRates::new(rates)?;
-        schedule::schedule(settings, &velocity_control(settings, &rates)?, &rates)
+        schedule(settings, &velocity_control(settings, &LoopRates::new(rates)?)?, rates)
     }
 
     /// Checks and converts settings.
@@ -111,12 +109,13 @@ impl<S: Scalar> AxisConfig<S> {
     /// [`ConfigError`] for the first setting that is not finite, has the wrong sign, or exceeds the range of the number
     /// format `S`.
     pub fn new(settings: &AxisSettings, rates: Rates) -> Result<Self, ConfigError> {
+        let declared = rates;
         let rates = LoopRates::new(rates)?;
         let kp = positive("position_gain_per_s", settings.position_gain_per_s)?;
         let position_gain = resolved_gain::<S>("position_gain_per_s", kp, LENGTH_M / VELOCITY_M_PER_S)?;
         let feedforward = feedforward(settings, kp, &rates)?;
         let velocity = velocity_control(settings, &rates)?;
-        schedule::schedule(settings, &velocity, &rates)?;
+        schedule(settings, &velocity, declared)?;
         let feedback = feedback(settings, &rates)?;
         let deceleration = settings.stop_deceleration_m_per_s2 / (rates.position_rate * rates.position_rate);
         Ok(Self {

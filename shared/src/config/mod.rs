@@ -25,6 +25,7 @@ pub mod axis;
 pub(crate) mod check;
 pub mod envelope;
 pub mod error;
+mod schedule;
 pub mod settings;
 
 pub use axis::{AxisConfig, BrakeTicks, UNLIMITED};

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+pub use crate::control::gain_schedule::{SCHEDULE_POINTS, ScheduledOver};
 use crate::interpolate::Smoothing;
 
 /// Rates of the loops.
@@ -158,18 +159,6 @@ pub struct LowPass {
     pub frequency_hz: f64,
     /// Damping ratio ζ; 0.7 gives the flattest response.
     pub damping_ratio: f64,
-}
-
-/// Greatest number of points of a gain schedule.
-pub const SCHEDULE_POINTS: usize = 6;
-
-/// What a gain schedule depends on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ScheduledOver {
-    /// The command, m.
-    Position,
-    /// The magnitude of the change of the command over time, m/s.
-    Speed,
 }
 
 /// A point of a gain schedule.

@@ -12,8 +12,21 @@
 //!
 //! [`velocity_gain_n_s_per_m`]: crate::config::AxisSettings::velocity_gain_n_s_per_m
 
-use crate::config::settings::{SCHEDULE_POINTS, ScheduledOver};
+use serde::{Deserialize, Serialize};
+
 use crate::scalar::Scalar;
+
+/// Greatest number of points of a gain schedule.
+pub const SCHEDULE_POINTS: usize = 6;
+
+/// What a gain schedule depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ScheduledOver {
+    /// The command, m.
+    Position,
+    /// The magnitude of the change of the command over time, m/s.
+    Speed,
+}
 
 /// The gains of the velocity loop that a schedule changes.
 #[derive(Clone, Copy, Debug)]
@@ -67,7 +80,10 @@ impl<S: Scalar> Segment<S> {
         let length = end.wrapping_sub(start).unsigned_abs();
         let shift = length.leading_zeros() % 64;
         let upper = (length << shift) >> 32;
-        let reciprocal = if upper == 0 { u64::MAX } else { (1 << 63) / upper };
+        let reciprocal = match (1_u64 << 63).checked_div(upper) {
+            Some(reciprocal) => reciprocal,
+            None => u64::MAX,
+        };
         #[expect(clippy::cast_possible_truncation, reason = "limited before")]
         let reciprocal = if reciprocal > u32::MAX as u64 { u32::MAX } else { reciprocal as u32 };
         Self { start, end, shift, reciprocal, from, to }

@@ -178,10 +178,7 @@ impl Scalar for Fixed {
 
     fn gain_between(from: I8F24, to: I8F24, fraction_q32: u32) -> I8F24 {
         let difference = i64::from(to.to_bits()) - i64::from(from.to_bits());
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "at most the difference of two gains of the same sign"
-        )]
+        // At most the difference of two gains of the same sign.
         let part = ((difference * i64::from(fraction_q32)) >> 32) as i32;
         I8F24::from_bits(from.to_bits().wrapping_add(part))
     }

@@ -10,7 +10,7 @@ use shared::safety::{Fault, Power};
 use shared::storage::memory::MemoryFlash;
 use shared::storage::{SlotError, Slots, Store};
 use tests::board::inputs::Inputs;
-use tests::board::log::watchdog_periods_ms;
+use tests::board::log::{Access, watchdog_periods_ms};
 use tests::board::{Chip, End};
 use tests::firmware::{SETTINGS_SLOTS, built};
 
@@ -116,5 +116,13 @@ fn a_save_erases_the_sector_of_the_older_slot_with_a_slow_watchdog() {
         assert_eq!(erased, [sector], "{controls:x?}");
         assert!(controls.iter().all(|bits| bits & SER != 0), "{controls:x?}");
         watchdog_periods_ms(&accesses, &[10.0, 32_760.0, 10.0]);
+        // The end of the erase is read in FLASH_SR, and the lock in FLASH_CR; the wait states are those before it.
+        for offset in [0x0c, 0x10] {
+            let reads = |access: &&Access| {
+                access.device == FLASH_INTERFACE && access.offset == offset && access.written.is_none()
+            };
+            assert!(accesses.iter().any(|access| reads(&access)), "{offset:#x} is not read");
+        }
+        assert_eq!(chip.clocks.flash_access(), (5, true));
     }
 }
