@@ -105,7 +105,9 @@ impl<A: FlashAccess> SettingsFlash<A> {
         self.access.with_slow_watchdog(|registers| {
             // Errors of an earlier access.
             registers.set(Register::Status, ERRORS);
-            KEYS.into_iter().for_each(|key| registers.set(Register::Key, key));
+            for key in KEYS {
+                registers.set(Register::Key, key);
+            }
             let unlocked = registers.get(Register::Control) & LOCK == 0;
             let result = if unlocked { change(registers) } else { Err(NorFlashErrorKind::Other) };
             registers.set(Register::Control, LOCK);
