@@ -30,23 +30,23 @@ const DIVIDER: u32 = 4;
 
 /// A slot with a record of other ticks per position command.
 fn record() -> Vec<u8> {
-    slot_with(Rates { position_loop_divider: DIVIDER, ..LINK_SETTINGS.rates }, LINK_SETTINGS.axes)
+    slot_with(Rates { position_loop_divider: DIVIDER, ..LINK_SETTINGS.rates }, &LINK_SETTINGS.axes)
 }
 
 /// A slot with a record of the settings of the program, changed for each axis.
 pub fn record_of(change: impl Fn(&mut AxisSettings)) -> Vec<u8> {
     let mut axes = LINK_SETTINGS.axes;
     axes.iter_mut().for_each(change);
-    slot_with(LINK_SETTINGS.rates, axes)
+    slot_with(LINK_SETTINGS.rates, &axes)
 }
 
-fn slot_with(rates: Rates, axes: [AxisSettings; AXES]) -> Vec<u8> {
+fn slot_with(rates: Rates, axes: &[AxisSettings; AXES]) -> Vec<u8> {
     let mut flash = MemoryFlash::<{ 2 * SLOT }, SLOT, 1>::erased();
     let length = u32::try_from(SLOT).unwrap();
     let mut store = Store::new(&mut flash, Slots { starts: [0, length], length }, BOARD).unwrap();
     let mut writer = store.writer().unwrap();
     writer.message(&mut store, &UploadKind::Settings).unwrap();
-    writer.message(&mut store, &BoardSettings { rates, axes }).unwrap();
+    writer.message(&mut store, &BoardSettings { rates, axes: *axes }).unwrap();
     assert_eq!(writer.commit(&mut store), Ok(1));
     flash.bytes_mut()[..SLOT].to_vec()
 }

@@ -12,7 +12,7 @@ use interface::{ACR_AT_START, Interface, Watched};
 /// Without a loss of power.
 const NEVER: usize = usize::MAX;
 
-/// FLASH_CR after a reset (RM0090, 3.9.7).
+/// `FLASH_CR` after a reset (RM0090, 3.9.7).
 const LOCKED: u32 = 1 << 31;
 
 type Settings<'a> = Store<SettingsFlash<Watched<'a>>>;
