@@ -3,6 +3,7 @@
 #
 #   tests/deep.sh                      all of them
 #   tests/deep.sh mutants [PART…]      do the tests of `shared` fail when its source is changed? docs/testing.md
+#   tests/deep.sh mutants firmware     do the tests of the emulated chip fail when the firmware is changed?
 #   tests/deep.sh miri [MODULE…]       tests/miri.sh
 #   tests/deep.sh properties [SEEDS]   the property tests with this many new seeds (100): the usual run has a fixed one
 #   tests/deep.sh bits                 a million ticks of random motions, host against emulated core, fixed point and f32
@@ -11,13 +12,17 @@
 #   tests/deep.sh fleet                tools/fleet.py on a local cluster, with and without killed workers: docs/fleet.md
 #
 # A PART is a module of shared/src: control, drive, feedback, safety, monitor, machine, lockstep unless named; link,
-# homing, storage, capture, compensate and others by name; also a file of one, as machine/reference. A file that is done is
+# homing, storage, capture, compensate and others by name; also a file of one, as machine/reference. The parts of the firmware are its
+# files, as firmware/board/stage, and firmware/constants: mutants of pins, numbers and wiring. A file that is done is
 # not repeated as long as neither source nor tests change, so that an interrupted run can be continued; FRESH=1 starts
 # again. Installs missing tools.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 parts=(control drive feedback safety monitor machine lockstep)
+# `firmware` stands for these: what runs on the board. Its bench and its port for the emulator are tools of the tests.
+of_firmware=(constants flash setup bin/board board/clock board/converter board/dac board/flash board/link board/mod board/quadrature
+  board/sensors board/stage board/switches board/tick board/uart board/usb board/watchdog)
 # Minimum percentage of mutants that the tests detect; those listed as equivalent count as not detected.
 min_detected=95
 # Timeout of the tests of a mutant, s: a mutant may loop for ever.
@@ -30,13 +35,14 @@ step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
 
 # The source files of a part.
 files_of() {
-  if [ -d "shared/src/$1" ]; then find "shared/src/$1" -name '*.rs' | sort; else echo "shared/src/$1.rs"; fi
+  if [[ $1 == firmware/* ]]; then echo "firmware/src/${1#firmware/}.rs"; elif [ -d "shared/src/$1" ]; then find "shared/src/$1" -name '*.rs' | sort; else echo "shared/src/$1.rs"; fi
 }
 
 # The tests that a mutant of a part is run with, as filters of their paths: the modules of shared/tests that detect its mutants, and
 # tests:: for all unit tests. None for all tests, where that was not measured.
 tests_of() {
   case ${1%%/*} in
+  firmware) echo tests/firmware_mutants.py ;;
   machine) echo enabling:: direction_check:: homing:: link:: machine:: monitor:: safety:: lockstep:: ;;
   drive) echo tests:: amplifier:: direction_check:: homing:: inputs:: link:: ;;
   homing | feedback) echo tests:: homing:: ;;
@@ -50,7 +56,12 @@ tests_of() {
 
 # Hash of everything in the copy that a result depends on, and the tests of a part.
 fingerprint() {
-  echo "$(hash_of_tree) $(tests_of "$1")"
+  echo "$(hash_of_tree) $(tests_of "$1") $(if [[ $1 == firmware/* ]]; then hash_of_firmware; fi)"
+}
+
+# The firmware and the tests of the chip, on which the results of its mutants depend too.
+hash_of_firmware() {
+  (cd "$tree" && find firmware tests -type f -print0 | sort -z | xargs -0 cat) | git hash-object --stdin
 }
 
 hash_of_tree() {
@@ -74,7 +85,22 @@ copy_tree() {
 # Number of lines; 0 where the file does not exist.
 lines() { if [ -f "$1" ]; then wc -l <"$1"; else echo 0; fi; }
 
-mutants_of() { (cd "$tree" && cargo mutants --list --package shared --file "$1" "${@:2}" | wc -l); }
+mutants_of() {
+  if [ "$1" = firmware/src/constants.rs ]; then
+    python3 "$tree/tests/firmware_mutants.py" count
+  else
+    (cd "$tree" && cargo mutants --list --package "${1%%/*}" --file "$1" "${@:2}" | wc -l)
+  fi
+}
+
+# Tests every mutant of a file of the firmware, in the form of cargo-mutants.
+mutate_firmware() {
+  local what=$1
+  [ "$what" != firmware/src/constants.rs ] || what=constants
+  rm -rf "$work/mutants/$1"
+  (cd "$tree" && CARGO_TARGET_DIR=$work/build nice python3 tests/firmware_mutants.py "$what" "$work/mutants/$1/mutants.out")
+  fingerprint "$2" >"$work/mutants/$1/done"
+}
 
 # Tests every mutant of a file of a part. No shrinking of failures, and the same random cases for all mutants.
 mutate() {
@@ -95,6 +121,7 @@ mutants() {
   local part file survivors=0
   local -A sum=([caught]=0 [missed]=0 [timeout]=0 [unviable]=0 [equivalent]=0)
   for part in "$@"; do
+    [ "$part" != firmware/constants ] || continue
     [ -n "$(files_of "$part" 2>/dev/null)" ] && [ -e "$(files_of "$part" | head -1)" ] ||
       { echo "$part: expected a part: ${parts[*]}" >&2; exit 2; }
   done
@@ -109,17 +136,21 @@ mutants() {
       [ "$all" -gt 0 ] || continue
       if [ "$(cat "$results/done" 2>/dev/null)" != "$(fingerprint "$part")" ]; then
         step "$file: $listed mutants"
-        if [ "$listed" -gt 0 ]; then mutate "$file" "$part"; fi
+        if [ "$listed" -gt 0 ] && [[ $part == firmware/* ]]; then
+          mutate_firmware "$file" "$part"
+        elif [ "$listed" -gt 0 ]; then
+          mutate "$file" "$part"
+        fi
       fi
       local -A of=([equivalent]=$((all - listed)))
       for kind in caught missed timeout unviable; do of[$kind]=$(lines "$results/mutants.out/$kind.txt"); done
-      table+=$(printf '%-32s %7d %7d %7d %11d %9d' "${file#shared/src/}" "${of[caught]}" "${of[timeout]}" \
+      table+=$(printf '%-32s %7d %7d %7d %11d %9d' "$(sed 's,^shared/src/,,; s,/src/,/,' <<<"$file")" "${of[caught]}" "${of[timeout]}" \
         "${of[missed]}" "${of[equivalent]}" "${of[unviable]}")$'\n'
       for kind in "${!sum[@]}"; do sum[$kind]=$((sum[$kind] + of[$kind])); done
       if [ "${of[missed]}" -gt 0 ]; then cat "$results/mutants.out/missed.txt"; fi
     done
   done
-  step "mutants of shared: $*"
+  step "mutants: $*"
   printf '%-32s %7s %7s %7s %11s %9s\n' file caught timeout missed equivalent unviable
   printf '%s' "$table"
   printf '%-32s %7d %7d %7d %11d %9d\n' all "${sum[caught]}" "${sum[timeout]}" "${sum[missed]}" \
@@ -211,6 +242,7 @@ all)
 mutants)
   shift
   if [ $# -eq 0 ]; then set -- "${parts[@]}"; fi
+  if [ "$*" = firmware ]; then set -- "${of_firmware[@]/#/firmware/}"; fi
   mutants "$@"
   ;;
 miri)

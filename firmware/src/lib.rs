@@ -18,6 +18,7 @@ pub mod cost;
 pub mod emulated;
 #[cfg(any(feature = "emulated", feature = "servo"))]
 pub mod emulator;
+pub mod flash;
 #[cfg(feature = "servo")]
 pub mod servo;
 pub mod setup;

@@ -196,6 +196,7 @@ pub const SETTINGS: [AxisSettings; AXES] = [AxisSettings {
     feedforward_percent: 100.0,
     feedforward_ahead_s: 0.0,
     velocity_gain_n_s_per_m: 3_000.0,
+    gain_schedule: None,
     velocity_integral_time_s: Some(0.02),
     velocity_lag_s: 0.0,
     notches: Notches::NONE,

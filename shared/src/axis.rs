@@ -3,7 +3,7 @@
 use crate::compensate::Correction;
 use crate::config::{AxisConfig, NOTCHES};
 use crate::control::bumpless_transfer::BumplessTransfer;
-use crate::control::{feedforward, filter, position, velocity};
+use crate::control::{feedforward, filter, gain_schedule, position, velocity};
 use crate::feedback::OriginShift;
 pub use crate::feedback::Reading;
 use crate::feedback::dual;
@@ -88,6 +88,11 @@ impl<S: Scalar> AxisState<S> {
     #[must_use]
     pub fn velocity_command_m_per_s(&self) -> f64 {
         self.velocity_command.value() * VELOCITY_M_PER_S
+    }
+
+    /// The magnitude of the last change of the corrected command, as [`gain_schedule::speed`] gives it.
+    pub(crate) fn command_speed(&self) -> i64 {
+        gain_schedule::speed(self.feedforward.increment())
     }
 
     /// Prepares a change of the constants during motion, without a jump of velocity command or force.

@@ -9,6 +9,7 @@ mod dual_feedback;
 mod enabling;
 mod figures;
 mod gain_change;
+mod gain_schedule;
 mod homing;
 mod inputs;
 mod link;

@@ -9,7 +9,7 @@ use firmware::board::drives_off;
 
 #[rtic::app(device = stm32f4xx_hal::pac)]
 mod app {
-    use firmware::board::flash::{SettingsFlash, settings_memory};
+    use firmware::board::flash::{Settings, settings_memory};
     use firmware::board::link::{Drive, Locked};
     use firmware::board::uart::{Queues, UartInterrupt};
     use firmware::board::usb::{self, Ports};
@@ -17,7 +17,7 @@ mod app {
     use firmware::board::{Hardware, Parts, start_cycle_counter};
     use firmware::setup::{AXES, IDENTITY, LINK_SETTINGS};
     use rtic::Mutex;
-    use shared::link::{Server, SettingsMemory, SharedDrive};
+    use shared::link::{Server, SharedDrive};
     use shared::machine::Machine;
     use shared::safety::Fault;
     use shared::scalar::Fixed;
@@ -58,7 +58,7 @@ mod app {
         server: &mut Server,
         ports: &mut Ports,
         drive: &mut impl SharedDrive<'static, Fixed>,
-        memory: &mut SettingsMemory<SettingsFlash<W>>,
+        memory: &mut Settings<W>,
     ) {
         usb::service(ports, drive);
         server.poll(ports, drive, memory);

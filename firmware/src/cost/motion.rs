@@ -59,6 +59,7 @@ pub fn full_axis() -> AxisSettings {
         feedforward_percent: 80.0,
         feedforward_ahead_s: 1.25 / RATES.velocity_loop_hz,
         velocity_gain_n_s_per_m: 45_000.0,
+        gain_schedule: None,
         velocity_integral_time_s: Some(0.013),
         velocity_lag_s: 0.5 / RATES.velocity_loop_hz,
         notches: Notches([

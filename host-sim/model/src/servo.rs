@@ -1,9 +1,14 @@
 //! Conversion of the controller's keys in the machine file to settings of `shared`.
 
-use shared::config::{self, AxisSettings, Brake, LowPass, Notch, Notches, ScaleLimits};
+use shared::config::{
+    self, AxisSettings, Brake, GainSchedule, LowPass, Notch, Notches, ScaleLimits, SchedulePoint,
+    ScheduledOver,
+};
 use shared::interpolate::Smoothing;
 
-use crate::axis::{Controller, Drive, Feedback, Filters, Holding, Law, Limits, PerNotch, Sensors, Settings};
+use crate::axis::{
+    Controller, Drive, Feedback, Filters, Holding, Law, Limits, PerNotch, Schedule, Sensors, Settings,
+};
 use crate::effects::{
     ComputationDelay, DriveDeadTime, DriveLag, Effect, FeedforwardMismatch, IntegralTimeMismatch, LoopDelay,
     PositionDelay, ServoMismatch, VelocityFilter, VelocityGainMismatch, VelocityLag,
@@ -148,6 +153,7 @@ pub fn settings(axis: &Settings, effects: &ServoParameters) -> Result<AxisSettin
         velocity_gain_n_s_per_m: effects
             .velocity_gain_n_s_per_m(controller)
             .ok_or("velocity_gain_n_s_per_m")?,
+        gain_schedule: gain_schedule(&axis.schedule),
         velocity_integral_time_s: effects.velocity_integral_time_s(controller),
         velocity_lag_s: 1e-3 * effects.lag.ms,
         force_limit_n: controller.force_limit_n.unwrap_or(UNLIMITED_N),
@@ -208,6 +214,18 @@ pub fn smoothing(filters: &Filters) -> Smoothing {
         (Some(time_s), None, None) => Smoothing::Trapezoid { time_s },
         (None, _, None) => Smoothing::None,
     }
+}
+
+/// The gain schedule, if its keys are declared with as many numbers each.
+#[must_use]
+pub fn gain_schedule(schedule: &Schedule) -> Option<GainSchedule> {
+    let (over, places) = match (&schedule.position_mm, &schedule.speed_mm_per_s) {
+        (Some(positions_mm), _) => (ScheduledOver::Position, positions_mm),
+        (None, Some(speeds_mm_per_s)) => (ScheduledOver::Speed, speeds_mm_per_s),
+        (None, None) => return None,
+    };
+    let points = places.0.iter().zip(&schedule.ratio.as_ref()?.0);
+    GainSchedule::of(over, points.map(|(&at, &ratio)| SchedulePoint { at: 1e-3 * at, ratio }))
 }
 
 /// The notches on the force of which all three numbers are declared.

@@ -2,11 +2,13 @@
 
 use super::check::{finite, gain, gain_over_time, positive, ranged, resolved_gain};
 use super::error::ConfigError;
+use super::schedule::schedule;
 use super::settings::{
     AxisSettings, Brake, Law, LowPass, NOTCHES, Notch, Notches, Rates, ScaleLimits, Sensors,
 };
 use crate::control::feedforward::Feedforward;
 use crate::control::filter::Filter;
+use crate::control::gain_schedule::Schedule;
 use crate::control::hpc::Hpc;
 use crate::control::position::PositionControl;
 use crate::control::velocity::VelocityControl;
@@ -92,17 +94,28 @@ impl LoopRates {
 }
 
 impl<S: Scalar> AxisConfig<S> {
+    /// Checks and converts the changes of the gains of [`velocity`](AxisConfig::velocity); `None`: they are constant. Apart from the
+    /// other constants, which are near each other for the ticks.
+    ///
+    /// # Errors
+    /// [`ConfigError`], as [`AxisConfig::new`] has for these settings.
+    pub fn schedule(settings: &AxisSettings, rates: Rates) -> Result<Option<Schedule<S>>, ConfigError> {
+        schedule(settings, &velocity_control(settings, &LoopRates::new(rates)?)?, rates)
+    }
+
     /// Checks and converts settings.
     ///
     /// # Errors
     /// [`ConfigError`] for the first setting that is not finite, has the wrong sign, or exceeds the range of the number
     /// format `S`.
     pub fn new(settings: &AxisSettings, rates: Rates) -> Result<Self, ConfigError> {
+        let declared = rates;
         let rates = LoopRates::new(rates)?;
         let kp = positive("position_gain_per_s", settings.position_gain_per_s)?;
         let position_gain = resolved_gain::<S>("position_gain_per_s", kp, LENGTH_M / VELOCITY_M_PER_S)?;
         let feedforward = feedforward(settings, kp, &rates)?;
         let velocity = velocity_control(settings, &rates)?;
+        schedule(settings, &velocity, declared)?;
         let feedback = feedback(settings, &rates)?;
         let deceleration = settings.stop_deceleration_m_per_s2 / (rates.position_rate * rates.position_rate);
         Ok(Self {

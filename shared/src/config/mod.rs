@@ -25,9 +25,13 @@ pub mod axis;
 pub(crate) mod check;
 pub mod envelope;
 pub mod error;
+mod schedule;
 pub mod settings;
 
 pub use axis::{AxisConfig, BrakeTicks, UNLIMITED};
 pub use envelope::AxisEnvelope;
 pub use error::ConfigError;
-pub use settings::{AxisSettings, Brake, Law, LowPass, NOTCHES, Notch, Notches, Rates, ScaleLimits, Sensors};
+pub use settings::{
+    AxisSettings, Brake, GainSchedule, Law, LowPass, NOTCHES, Notch, Notches, Rates, SCHEDULE_POINTS,
+    ScaleLimits, SchedulePoint, ScheduledOver, Sensors,
+};

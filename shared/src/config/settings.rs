@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+pub use crate::control::gain_schedule::{SCHEDULE_POINTS, ScheduledOver};
 use crate::interpolate::Smoothing;
 
 /// Rates of the loops.
@@ -160,6 +161,47 @@ pub struct LowPass {
     pub damping_ratio: f64,
 }
 
+/// A point of a gain schedule.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SchedulePoint {
+    /// Command, m, or speed, m/s and not negative; ascending, with at least [`GainSchedule::LEAST_SPACING`] in between.
+    pub at: f64,
+    /// Velocity gain there over [`AxisSettings::velocity_gain_n_s_per_m`], within [`GainSchedule::RATIOS`].
+    pub ratio: f64,
+}
+
+/// The velocity gain over the command of an axis or its speed ([`crate::control::gain_schedule`]).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GainSchedule {
+    /// What the points are places of.
+    pub over: ScheduledOver,
+    /// At least two points. The first `None` ends them.
+    pub points: [Option<SchedulePoint>; SCHEDULE_POINTS],
+}
+
+impl GainSchedule {
+    /// Least and greatest ratio. The range is that of the program: no upload and no record in flash has a greater one.
+    pub const RATIOS: [f64; 2] = [0.25, 4.0];
+
+    /// Least distance of two points, m or m/s.
+    pub const LEAST_SPACING: f64 = 1e-3;
+
+    /// A schedule of points; `None`: there are more than [`SCHEDULE_POINTS`].
+    pub fn of(over: ScheduledOver, points: impl IntoIterator<Item = SchedulePoint>) -> Option<Self> {
+        let mut schedule = Self { over, points: [None; SCHEDULE_POINTS] };
+        let mut places = schedule.points.iter_mut();
+        for point in points {
+            *places.next()? = Some(point);
+        }
+        Some(schedule)
+    }
+
+    /// The declared points, in their order.
+    pub fn iter(&self) -> impl Iterator<Item = &SchedulePoint> {
+        self.points.iter().map_while(Option::as_ref)
+    }
+}
+
 /// The settings of one axis, as a person or a file declares them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AxisSettings {
@@ -174,6 +216,8 @@ pub struct AxisSettings {
     pub feedforward_ahead_s: f64,
     /// Velocity gain Kv.
     pub velocity_gain_n_s_per_m: f64,
+    /// Changes of the velocity gain over command or speed; `None`: it is constant.
+    pub gain_schedule: Option<GainSchedule>,
     /// Integral time Ti of the velocity loop; `None`: no integral part.
     pub velocity_integral_time_s: Option<f64>,
     /// Delay of the velocity reading beyond that of a plain difference, 0 to one tick.
@@ -216,6 +260,7 @@ impl Default for AxisSettings {
             feedforward_percent: 0.0,
             feedforward_ahead_s: 0.0,
             velocity_gain_n_s_per_m: 50_000.0,
+            gain_schedule: None,
             velocity_integral_time_s: Some(0.02),
             velocity_lag_s: 0.0,
             notches: Notches::NONE,

@@ -54,6 +54,12 @@ impl<S: Scalar> State<S> {
     pub const fn corrected(self, correction: i64) -> Self {
         Self { last: Position(self.last.0.wrapping_add(correction)), ..self }
     }
+
+    /// The last change of the command, increment units.
+    #[must_use]
+    pub const fn increment(&self) -> S {
+        self.last_increment
+    }
 }
 
 impl<S: Scalar> Feedforward<S> {

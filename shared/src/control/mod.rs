@@ -6,12 +6,14 @@
 //! | [`position`] | position loop: P, or P behind the filter of [`hpc`] |
 //! | [`hpc`] | high-order position control: a second-order filter of the following error |
 //! | [`velocity`] | velocity loop: PI with anti-windup, on the differenced motor reading |
+//! | [`gain_schedule`] | the velocity gain over command or speed |
 //! | [`mod@filter`] | notches and low-pass filter of the force |
 //! | [`bumpless_transfer`] | no jump of velocity command or force when gains are changed |
 
 pub mod bumpless_transfer;
 pub mod feedforward;
 pub mod filter;
+pub mod gain_schedule;
 pub mod hpc;
 pub mod position;
 pub mod velocity;

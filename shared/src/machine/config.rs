@@ -3,12 +3,15 @@
 use super::error::MachineError;
 use super::reference::Reference;
 use crate::config::{AxisConfig, AxisSettings, Rates, Sensors, UNLIMITED};
+use crate::control::gain_schedule::Schedule;
 use crate::interpolate::Smoothing;
 use crate::interpolate::smooth::Filters;
 use crate::scalar::Scalar;
 use crate::units::Position;
 
 /// The constants of N axes, checked and converted.
+// In this order: an instruction reaches what is near the beginning. The schedules are large, and few machines have some.
+#[repr(C)]
 #[derive(Clone, Debug)]
 pub struct MachineConfig<S: Scalar, const N: usize> {
     pub(super) axes: [AxisConfig<S>; N],
@@ -20,6 +23,11 @@ pub struct MachineConfig<S: Scalar, const N: usize> {
     /// The axis filters behind the path, as declared and in machine units.
     pub(super) smoothing: [Smoothing; N],
     pub(super) filters: Filters<N>,
+    /// Whether an axis has a gain schedule.
+    pub(super) is_scheduled: bool,
+    /// Whether the positions of each axis are absolute.
+    pub(super) are_homed: [bool; N],
+    pub(super) schedules: [Option<Schedule<S>>; N],
 }
 
 impl<S: Scalar, const N: usize> MachineConfig<S, N> {
@@ -29,17 +37,30 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     /// [`MachineError::Config`] with the axis and the setting, [`MachineError::Path`] for an axis filter behind the path.
     pub fn new(rates: Rates, settings: &[AxisSettings; N]) -> Result<Self, MachineError> {
         let mut axes = heapless::Vec::<_, N>::new();
-        for (axis, settings) in settings.iter().enumerate() {
-            let config = AxisConfig::new(settings, rates);
+        let mut schedules = [None; N];
+        for (axis, (settings, schedule)) in settings.iter().zip(&mut schedules).enumerate() {
+            let rejected = |error| MachineError::Config { axis, error };
             // The capacity is the number of settings.
-            let _ = axes.push(config.map_err(|error| MachineError::Config { axis, error })?);
+            let _ = axes.push(AxisConfig::new(settings, rates).map_err(rejected)?);
+            *schedule = AxisConfig::schedule(settings, rates).map_err(rejected)?;
         }
         let smoothing = settings.each_ref().map(|axis| axis.smoothing);
         let filters = Filters::new(&smoothing, rates.position_loop_hz())?;
         let sensors = settings.each_ref().map(|axis| axis.sensors);
         let axes: [AxisConfig<S>; N] = core::array::from_fn(|i| axes[i]);
         let soft_limits = axes.each_ref().map(|axis| axis.monitor.travel);
-        Ok(Self { axes, soft_limits, rates, sensors, smoothing, filters })
+        let is_scheduled = schedules.iter().any(Option::is_some);
+        Ok(Self {
+            axes,
+            soft_limits,
+            rates,
+            sensors,
+            smoothing,
+            filters,
+            is_scheduled,
+            are_homed: [true; N],
+            schedules,
+        })
     }
 
     /// Replaces the constants of an axis.
@@ -50,6 +71,14 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         self.set_reference(axis, reference);
     }
 
+    /// Replaces the schedule of an axis.
+    pub(super) fn replace_schedule(&mut self, axis: usize, schedule: Option<Schedule<S>>) {
+        if let Some(slot) = self.schedules.get_mut(axis) {
+            *slot = schedule;
+        }
+        self.is_scheduled = self.schedules.iter().any(Option::is_some);
+    }
+
     /// Applies the soft limits of an axis that is homed, and no other.
     pub(super) fn set_reference(&mut self, axis: usize, reference: Reference) {
         if let (Some(config), Some(soft_limits)) = (self.axes.get_mut(axis), self.soft_limits.get(axis)) {
@@ -57,6 +86,9 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
                 Reference::Relative => UNLIMITED,
                 Reference::Homed => *soft_limits,
             };
+        }
+        if let Some(is_homed) = self.are_homed.get_mut(axis) {
+            *is_homed = reference == Reference::Homed;
         }
     }
 

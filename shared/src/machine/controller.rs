@@ -81,6 +81,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
             return Err(MachineError::NoSuchAxis);
         };
         let changed = AxisConfig::new(settings, config.rates).map_err(rejected)?;
+        let schedule = AxisConfig::schedule(settings, config.rates).map_err(rejected)?;
         if settings.smoothing != *smoothing {
             return Err(rejected(ConfigError::NotWhileRunning("smoothing")));
         }
@@ -90,6 +91,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         state.change(loops, &changed);
         *sensors = settings.sensors;
         config.replace(axis, changed, reference);
+        config.replace_schedule(axis, schedule);
         if let Some(full) = self.full_forces.get_mut(axis) {
             *full = None;
         }
@@ -399,7 +401,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     /// enabled. A path is discarded if the drives are switched off while it runs, and if the axes are away from its start
     /// when they are enabled ([`FaultKind::Displaced`](crate::safety::FaultKind::Displaced)).
     pub fn tick(&mut self, readings: &[Reading; N]) -> Output<S, N> {
-        match &self.config {
+        match &mut self.config {
             Some(config) => config.tick(&mut self.state, readings),
             None => self.state.output([S::ZERO; N]),
         }

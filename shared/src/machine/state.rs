@@ -5,7 +5,8 @@ use super::config::MachineConfig;
 use super::output::Output;
 use crate::axis::AxisState;
 use crate::compensate::{Compensation, Correction};
-use crate::config::AxisConfig;
+use crate::config::{AxisConfig, ScheduledOver};
+use crate::control::gain_schedule::Gains;
 use crate::feedback::{OriginShift, Reading};
 use crate::interpolate::Path;
 use crate::safety::{Event, Fault, FaultKind, FaultSet, Power, Reaction};
@@ -133,7 +134,7 @@ fn with_screw<S: Scalar>(reading: Reading, correction: Correction<S>) -> Reading
 
 impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     /// One tick.
-    pub(super) fn tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) -> Output<S, N> {
+    pub(super) fn tick(&mut self, state: &mut State<S, N>, readings: &[Reading; N]) -> Output<S, N> {
         let mut corrected = *readings;
         state.compensation.correct(&mut corrected);
         let readings = &corrected;
@@ -261,8 +262,30 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         commands
     }
 
+    /// Sets the gains of the axes with a schedule, for the commands of the last position tick.
+    // Few axes have one, and those without are not to pay for it.
+    #[cold]
+    #[inline(never)]
+    fn schedule(&mut self, state: &State<S, N>) {
+        let axes = self.axes.iter_mut().zip(&self.schedules).zip(self.are_homed);
+        for (((config, schedule), is_homed), (axis, command)) in
+            axes.zip(state.axes.iter().zip(state.path.command()))
+        {
+            let Some(schedule) = schedule else { continue };
+            let Gains { proportional, integral } = match schedule.over {
+                ScheduledOver::Speed => schedule.gains(axis.command_speed()),
+                ScheduledOver::Position if is_homed => schedule.gains(command.0),
+                ScheduledOver::Position => schedule.base,
+            };
+            (config.velocity.proportional, config.velocity.integral) = (proportional, integral);
+        }
+    }
+
     /// The next command, its corrections, and the position loops.
-    fn position_tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
+    fn position_tick(&mut self, state: &mut State<S, N>, readings: &[Reading; N]) {
+        if self.is_scheduled {
+            self.schedule(state);
+        }
         // A path that waits does so until the brakes are open.
         let commands =
             if matches!(state.power, Power::Enabling) { state.path.command() } else { state.path.advance() };

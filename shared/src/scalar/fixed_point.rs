@@ -176,6 +176,13 @@ impl Scalar for Fixed {
         Self::from_bits(middle.wrapping_add(mul_high_i32(difference, from_middle)))
     }
 
+    fn gain_between(from: I8F24, to: I8F24, fraction_q32: u32) -> I8F24 {
+        let difference = i64::from(to.to_bits()) - i64::from(from.to_bits());
+        // At most the difference of two gains of the same sign.
+        let part = ((difference * i64::from(fraction_q32)) >> 32) as i32;
+        I8F24::from_bits(from.to_bits().wrapping_add(part))
+    }
+
     fn from_fixed(value: Self) -> Self {
         value
     }

@@ -99,6 +99,10 @@ macro_rules! float {
                 self + (other - self) * (fraction_q32 as $float * UNIT)
             }
 
+            fn gain_between(from: $float, to: $float, fraction_q32: u32) -> $float {
+                from.lerp(to, fraction_q32)
+            }
+
             fn distance(self) -> i64 {
                 // Without compensation: a core that computes f64 in software takes 300 instructions for the conversion.
                 if self == 0.0 { 0 } else { Self::to_distance(self) }

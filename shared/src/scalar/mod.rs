@@ -133,6 +133,10 @@ pub trait Scalar:
     #[must_use]
     fn lerp(self, other: Self, fraction_q32: u32) -> Self;
 
+    /// Linear interpolation between two gains that are not negative; `fraction_q32` has 32 fraction bits. In fixed point rounded towards −∞.
+    #[must_use]
+    fn gain_between(from: Self::Gain, to: Self::Gain, fraction_q32: u32) -> Self::Gain;
+
     /// The signal of a fixed-point one, rounded to the nearest value of the format.
     fn from_fixed(value: Fixed) -> Self;
     /// The signal as a gain; its magnitude must be below [`Scalar::GAIN_LIMIT`], or it saturates.

@@ -315,11 +315,17 @@ proptest! {
 fn the_version_is_that_of_the_stored_types() {
     use crate::compensate::CompensationSettings;
     use crate::compensate::settings::{Cycle, ForceModel, Reversal};
-    use crate::config::{AxisSettings, Notch, Notches, Rates, ScaleLimits, Sensors};
+    use crate::config::{
+        AxisSettings, GainSchedule, Notch, Notches, Rates, ScaleLimits, SchedulePoint, ScheduledOver, Sensors,
+    };
     use crate::link::message::UploadKind;
     let axis = AxisSettings {
         sensors: Sensors::Dual { time_constant_s: 0.25, limits: ScaleLimits::DEFAULT },
         notches: Notches([Some(Notch { frequency_hz: 300.0, width_hz: 60.0, depth: 0.5 }), None, None, None]),
+        gain_schedule: GainSchedule::of(
+            ScheduledOver::Speed,
+            [SchedulePoint { at: 0.0, ratio: 2.0 }, SchedulePoint { at: 0.25, ratio: 1.0 }],
+        ),
         travel_m: Some([-0.125, 0.5]),
         ..AxisSettings::default()
     };
@@ -347,5 +353,5 @@ fn the_version_is_that_of_the_stored_types() {
     assert_eq!(reader.message::<CompensationSettings, _>(&mut store, &mut buffer), Ok(compensation));
     let header = &store.flash.bytes_mut()[..32];
     let checksum = u32::from_le_bytes([header[20], header[21], header[22], header[23]]);
-    assert_eq!((VERSION, checksum), (4, 0xf004_9766));
+    assert_eq!((VERSION, checksum), (5, 0x83b2_5c37));
 }

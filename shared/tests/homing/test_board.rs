@@ -35,6 +35,7 @@ const fn default_settings() -> AxisSettings {
         feedforward_percent: 100.0,
         feedforward_ahead_s: 0.0,
         velocity_gain_n_s_per_m: 3000.0,
+        gain_schedule: None,
         velocity_integral_time_s: Some(0.02),
         velocity_lag_s: 0.0,
         notches: shared::config::Notches::NONE,

@@ -5,7 +5,10 @@ use shared::compensate::settings::{
     Cycle, Factor, ForceModel, Pitch, PitchSource, Points, Product, Reversal, Straightness, Stribeck,
     TableFriction, Talk, TimePoints,
 };
-use shared::config::{AxisSettings, Brake, Law, LowPass, Notch, Notches, Rates, ScaleLimits, Sensors};
+use shared::config::{
+    AxisSettings, Brake, GainSchedule, Law, LowPass, Notch, Notches, Rates, SCHEDULE_POINTS, ScaleLimits,
+    SchedulePoint, ScheduledOver, Sensors,
+};
 use shared::interpolate::{Block, Ramps, Smoothing};
 
 use super::draws::Draws;
@@ -35,6 +38,7 @@ pub fn axis(draws: &mut Draws, gain_error: f64) -> AxisSettings {
         feedforward_percent: draws.between(0.0, 100.0),
         feedforward_ahead_s: if draws.one_in(2) { 0.0 } else { draws.between(0.0, 2e-4) },
         velocity_gain_n_s_per_m: draws.between(8_000.0, 20_000.0) * (1.0 + gain_error),
+        gain_schedule: draws.maybe(gain_schedule).flatten(),
         velocity_integral_time_s: draws.maybe(|draws| draws.between(0.01, 0.05)),
         velocity_lag_s: draws.between(0.0, 50e-6),
         notches: Notches(std::array::from_fn(|_| {
@@ -60,6 +64,20 @@ pub fn axis(draws: &mut Draws, gain_error: f64) -> AxisSettings {
             .then(|| Brake { release_s: draws.between(0.0, 2e-3), engage_s: draws.between(0.0, 2e-3) }),
         preload_n: draws.maybe(|draws| draws.between(-50.0, 50.0)),
     }
+}
+
+/// Two to six points over the travel of the motions, or over their speeds.
+fn gain_schedule(draws: &mut Draws) -> Option<GainSchedule> {
+    let over = if draws.one_in(2) { ScheduledOver::Position } else { ScheduledOver::Speed };
+    let mut at = if over == ScheduledOver::Position { -0.02 } else { 0.0 };
+    let count = 2 + draws.below(SCHEDULE_POINTS - 1);
+    GainSchedule::of(
+        over,
+        (0..count).map(|_| {
+            at += draws.between(2e-3, 0.02);
+            SchedulePoint { at, ratio: draws.between(0.5, 1.5) }
+        }),
+    )
 }
 
 fn scale_limits(draws: &mut Draws) -> ScaleLimits {

@@ -40,6 +40,12 @@ impl Clocks {
         self.cr & 1 << 19 != 0
     }
 
+    /// Wait states of the flash (3.9.2), and whether its data cache is on.
+    #[must_use]
+    pub const fn flash_access(&self) -> (u32, bool) {
+        (self.acr & 7, self.acr & 1 << 10 != 0)
+    }
+
     /// After reset: the internal oscillator runs.
     #[must_use]
     pub const fn new() -> Self {

@@ -5,7 +5,7 @@
 //! first tick disables its interrupt, and the test pends the next one when the idle loop has run for some time after the
 //! inputs were read.
 
-use firmware::setup::{BUS_MV_PER_COUNT, SWITCH_SETTLING_TICKS, TEMPERATURE_MC};
+use firmware::setup::SWITCH_SETTLING_TICKS;
 
 use super::device::Device;
 
@@ -21,7 +21,7 @@ const GPIOA_IDR: u32 = 0x4002_0010;
 const GPIOC_IDR: u32 = 0x4002_0810;
 const SCALE_SIGNALS: u32 = 1 << 3 | 1 << 10;
 
-/// Third injected results of ADC1 and ADC2: bus voltage and temperature (RM0090, 13.13.14), for 48 V and 25 °C.
+/// Third injected results of ADC1 and ADC2: bus voltage and temperature (RM0090, 13.13.14).
 const ADC1_JDR3: u32 = 0x4001_2044;
 const ADC2_JDR3: u32 = 0x4001_2144;
 
@@ -64,9 +64,27 @@ const CYCLE_COUNT: u32 = 0xe000_1004;
 /// Cycles in a tick: 168 MHz / 20 kHz.
 const CYCLES_PER_TICK: u32 = 8400;
 
+/// Supply of the power stages, V, and their temperature, °C.
+#[derive(Clone, Copy)]
+pub struct SupplyInputs {
+    /// Bus voltage.
+    pub bus_v: f64,
+    /// Temperature.
+    pub temperature_c: f64,
+}
+
+impl Default for SupplyInputs {
+    /// Within the limits.
+    fn default() -> Self {
+        Self { bus_v: 48.0, temperature_c: 25.0 }
+    }
+}
+
 /// The inputs.
 #[derive(Default)]
 pub struct Inputs {
+    /// The supply.
+    pub supply: SupplyInputs,
     /// Number of ticks so far: each reads the switch once, before the encoders.
     ticks: u32,
     /// Pending stores of the core: address and value.
@@ -158,8 +176,9 @@ impl Device for Inputs {
                 self.index_reads.push(address);
                 0
             }
-            ADC1_JDR3 => counts(48_000.0 / BUS_MV_PER_COUNT),
-            ADC2_JDR3 => counts((25_000.0 - TEMPERATURE_MC[1]) / TEMPERATURE_MC[0]),
+            // Behind 100 kΩ and 4.7 kΩ; 10 mV/K and 500 mV at 0 °C. 4096 counts are 3.3 V.
+            ADC1_JDR3 => counts(self.supply.bus_v * 4.7 / (100.0 + 4.7) * 4096.0 / 3.3),
+            ADC2_JDR3 => counts((0.5 + 0.01 * self.supply.temperature_c) * 4096.0 / 3.3),
             _ => panic!("{address:#x} is not watched"),
         }
     }

@@ -4,10 +4,12 @@
 mod board_boot;
 mod cost;
 mod fault_table;
+mod flash_model;
 mod panic_free;
 mod processor_in_the_loop;
 mod random_motions;
 mod record;
 mod registers;
 mod servo_board;
+mod setup_values;
 mod stack_depth;

@@ -242,7 +242,10 @@ mod all_features {
         TableFriction, Talk, TimePoints,
     };
     use shared::compensate::{CompensationKind, CompensationSettings};
-    use shared::config::{AxisSettings, Law, LowPass, Notch, Notches, Rates, ScaleLimits, Sensors};
+    use shared::config::{
+        AxisSettings, GainSchedule, Law, LowPass, Notch, Notches, Rates, ScaleLimits, SchedulePoint,
+        ScheduledOver, Sensors,
+    };
     use shared::interpolate::{Block, Ramps, Smoothing};
     use shared::lockstep::protocol::{LONGEST_ORDER, PART, Part, Setup};
     use shared::lockstep::session::{NoMeter, Session};
@@ -258,6 +261,11 @@ mod all_features {
             position_gain_per_s: 50.0,
             feedforward_percent: 70.0,
             velocity_gain_n_s_per_m: 20_000.0,
+            gain_schedule: GainSchedule::of(
+                ScheduledOver::Position,
+                [(-0.05, 0.8), (-0.01, 1.0), (0.0, 1.2), (0.01, 0.7), (0.03, 1.1), (0.06, 0.9)]
+                    .map(|(at, ratio)| SchedulePoint { at, ratio }),
+            ),
             velocity_integral_time_s: Some(0.02),
             velocity_lag_s: 25e-6,
             notches: Notches(

@@ -211,6 +211,8 @@ fn the_power_stages_are_off_before_anything_can_switch_them_on() {
     for before in [0x18, 0x34, 0x38, 0x44] {
         assert!(at("timer[1]", before) < at("timer[1]", 0x00), "{before:#x} after CR1");
     }
+    // DAC: channel 1 is that of X, which is set first; both before the outputs are on.
+    assert!(at("DAC", 0x08) < at("DAC", 0x14) && at("DAC", 0x14) < at("DAC", 0x00));
     // The start-up never enables the main output.
     assert!(written(&accesses, "timer[1]", 0x44).all(|bits| bits & 1 << 15 == 0));
 }

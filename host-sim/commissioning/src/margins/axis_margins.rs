@@ -1,6 +1,6 @@
 //! The margins of the axes of a machine file.
 
-use shared::config::{AxisSettings, Rates};
+use shared::config::{AxisSettings, Rates, ScheduledOver};
 
 use super::linear_axis::LinearAxis;
 use super::margin::{At, Margins};
@@ -159,14 +159,25 @@ impl AxisLoops {
         Condition::ALL.into_iter().filter(|condition| condition.is_possible(&self.parameters))
     }
 
+    /// These loops with each velocity gain that a gain schedule gives them: at its points, between which are no others; over position also
+    /// the gain before the axis is homed. Without a schedule, the loops as they are.
+    fn scheduled(&self) -> Vec<Self> {
+        let Some(schedule) = &self.settings.gain_schedule else { return vec![self.clone()] };
+        let not_homed = (schedule.over == ScheduledOver::Position).then_some(1.0);
+        let ratios = schedule.iter().map(|point| point.ratio).chain(not_homed);
+        let with_ratio = |ratio: f64| {
+            let mut loops = self.clone();
+            loops.settings.velocity_gain_n_s_per_m *= ratio;
+            loops
+        };
+        ratios.map(with_ratio).collect()
+    }
+
     /// Margins of the velocity loop.
     #[must_use]
     pub fn velocity(&self) -> LoopMargins {
-        let of = |condition| {
-            let axis = self.linear(condition);
-            (condition, Margins::of(&axis.velocity_loop(), axis.tick_s(), true))
-        };
-        LoopMargins::of(&self.conditions().map(of).collect::<Vec<_>>())
+        let of = |axis: LinearAxis| Margins::of(&axis.velocity_loop(), axis.tick_s(), true);
+        LoopMargins::of(&self.each(self.conditions(), of))
     }
 
     /// Margins of the position loop. Within the backlash the scale does not move: only a loop that is closed by the motor alone
@@ -175,11 +186,19 @@ impl AxisLoops {
     pub fn position(&self) -> LoopMargins {
         let is_closed =
             |condition: &Condition| *condition != Condition::InBacklash || self.feedback == Feedback::Motor;
-        let of = |condition| {
-            let axis = self.linear(condition);
-            (condition, Margins::of(&axis.position_loop(), axis.position_tick_s(), false))
-        };
-        LoopMargins::of(&self.conditions().filter(is_closed).map(of).collect::<Vec<_>>())
+        let of = |axis: LinearAxis| Margins::of(&axis.position_loop(), axis.position_tick_s(), false);
+        LoopMargins::of(&self.each(self.conditions().filter(is_closed), of))
+    }
+
+    /// The margins in each condition, with each scheduled gain.
+    fn each(
+        &self,
+        conditions: impl Iterator<Item = Condition>,
+        margins: impl Fn(LinearAxis) -> Margins,
+    ) -> Vec<(Condition, Margins)> {
+        let loops = self.scheduled();
+        let of = |condition| loops.iter().map(move |loops| (condition, loops.linear(condition)));
+        conditions.flat_map(of).map(|(condition, axis)| (condition, margins(axis))).collect()
     }
 
     /// Highest Kp, 1/s, up to which the position loop has these margins; `None`: the lowest does not have them.

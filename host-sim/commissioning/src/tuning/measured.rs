@@ -206,6 +206,9 @@ fn is_same(one: &Value, other: &Value) -> bool {
 
 /// The controller with which the axis was measured has to be that of the machine file: its loops are divided by those of the model.
 fn check_controller(conditions: &Conditions, machine: &Machine, settings: &Settings) -> Result<(), String> {
+    if settings.schedule.ratio.is_some() {
+        return Err("the machine file has gain_schedule_ratio: expected a constant velocity gain, as a response is measured with one".to_owned());
+    }
     let [measured, declared] = [
         (&conditions.controller, conditions.tick_rate_hz),
         (&settings.into(), machine.rates().velocity_loop_hz),

@@ -26,6 +26,15 @@ macro_rules! axis_keys {
                 /// Largest force of the drive; absent: not limited.
                 force_limit_n: Option<f64> [Positive],
             }
+            /// The velocity gain over the command of the axis, or over its speed: points with a ratio each. Absent: it is constant.
+            schedule: Schedule {
+                /// Commands of the points, ascending.
+                position_mm ("gain_schedule_position_mm"): Option<PerPoint>,
+                /// Speeds of the points, ascending, in place of commands.
+                speed_mm_per_s ("gain_schedule_speed_mm_per_s"): Option<PerPoint> [NotNegative],
+                /// Velocity gain at each point over `velocity_gain_n_s_per_m`.
+                ratio ("gain_schedule_ratio"): Option<PerPoint> [Positive],
+            }
             /// Further terms of the position loop of LinuxCNC, its component pid, beside P (`position_gain_per_s`) and FF1
             /// (`feedforward_percent`). Its output is the velocity command. Absent: the term does not exist.
             pid: Pid {

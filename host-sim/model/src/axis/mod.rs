@@ -6,10 +6,12 @@
 
 mod keys;
 mod per_notch;
+mod per_point;
 mod tolerated;
 
 pub(crate) use keys::axis_keys;
 pub use per_notch::PerNotch;
+pub use per_point::PerPoint;
 pub(crate) use tolerated::tolerated_keys;
 pub use tolerated::{TOLERATED, Tolerances, Tolerated, is_mass};
 
@@ -129,7 +131,7 @@ pub struct Key {
     pub range: Option<Range>,
     /// Whether an axis declares the key.
     pub is_given: fn(&Settings) -> bool,
-    /// Numbers declared by an axis: one, or one for each notch.
+    /// Numbers declared by an axis: one, or one for each notch or point.
     pub numbers: fn(&Settings) -> Vec<f64>,
 }
 
@@ -170,6 +172,12 @@ impl Value for u32 {
 }
 
 impl Value for PerNotch {
+    fn numbers(&self) -> Vec<f64> {
+        self.0.clone()
+    }
+}
+
+impl Value for PerPoint {
     fn numbers(&self) -> Vec<f64> {
         self.0.clone()
     }

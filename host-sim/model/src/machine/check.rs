@@ -42,6 +42,7 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
         context.controller()?;
         context.smoothing(machine.sample_rate_hz)?;
         context.filters(machine.velocity_rate_hz())?;
+        context.gain_schedule(machine.rates())?;
         context.holding()?;
         context.travel()?;
         context.mechanics()?;
@@ -133,6 +134,9 @@ struct Context<'a> {
 const OF_VELOCITY_LOOP: &[&str] = &[
     "velocity_gain_n_s_per_m",
     "velocity_integral_time_s",
+    "gain_schedule_position_mm",
+    "gain_schedule_speed_mm_per_s",
+    "gain_schedule_ratio",
     "force_limit_n",
     "notch_frequency_hz",
     "notch_width_hz",
@@ -197,7 +201,7 @@ impl Context<'_> {
         }
         // Without a controller, its filters and limits would have no effect, but for the travel: tables and motions are within it.
         let of_controller =
-            |key: &&Key| ["filters", "limits"].contains(&key.group) && key.name != "travel_mm";
+            |key: &&Key| ["schedule", "filters", "limits"].contains(&key.group) && key.name != "travel_mm";
         let given = KEYS.iter().filter(of_controller).find(|key| (key.is_given)(self.settings));
         if let (Drive::Torque, None, Some(given)) = (controller.drive, controller.law, given) {
             return Err(self.refuse("controller", &format!("a value beside {}", given.name)));

@@ -44,6 +44,8 @@ const KEYS: &[RotaryKey] = &[
     key("pid_max_error_i_deg_s", "pid_max_error_i_mm_s", None),
     key("pid_max_error_d_deg_per_s", "pid_max_error_d_mm_per_s", None),
     key("pid_max_output_deg_per_s", "pid_max_output_mm_per_s", None),
+    key("gain_schedule_position_deg", "gain_schedule_position_mm", None),
+    key("gain_schedule_speed_deg_per_s", "gain_schedule_speed_mm_per_s", None),
     key("travel_deg", "travel_mm", None),
     key("following_error_limit_deg", "following_error_limit_mm", None),
     key("stop_deceleration_deg_per_s2", "stop_deceleration_m_per_s2", Some(1e-3)),

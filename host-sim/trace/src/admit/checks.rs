@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use crate::options::{AdmissionOptions, TraceOptions};
 use files::error::InputError;
 use files::log::{Channel, Log, Unit};
-use model::machine::Machine;
+use model::machine::{Axis, Machine};
 
 /// Largest travel of an axis in any position channel of a log, mm or degrees.
 fn travel(log: &Log, axis: &str) -> f64 {
@@ -23,7 +23,7 @@ pub fn is_at_rest(logs: &[Cow<'_, Log>], axis: &str, options: &AdmissionOptions)
 /// Checks that a log belongs to the machine and contains usable motion.
 ///
 /// # Errors
-/// For an axis that the machine lacks, too little or too much travel, a sensor reading that does not change, or too few
+/// For an axis that the machine lacks, an axis with a gain schedule, which the equations of a trace do not have, too little or too much travel, a sensor reading that does not change, or too few
 /// samples.
 pub fn check(machine: &Machine, log: &Log, options: &AdmissionOptions) -> Result<(), InputError> {
     let refuse = |what: String, found: String| Err(InputError::expected(&log.source, what, found));
@@ -35,6 +35,13 @@ pub fn check(machine: &Machine, log: &Log, options: &AdmissionOptions) -> Result
                 format!("axis {}", axis.name),
             );
         }
+    }
+    let is_scheduled = |axis: &Axis| axis.settings.schedule.ratio.is_some();
+    if let Some((name, _)) = machine.axis.iter().find(|(_, axis)| is_scheduled(axis)) {
+        return refuse(
+            "a log of a machine whose velocity gains are constant".to_owned(),
+            format!("axis.{name}.gain_schedule_ratio in the machine file"),
+        );
     }
     let [min, max] = [options.min_travel_mm, options.max_travel_mm];
     let farthest = numerics::max_abs(log.axes.iter().map(|axis| travel(log, &axis.name)));

@@ -77,6 +77,22 @@ mod tests {
         admit(&machine(), fit, validate, &AdmissionOptions::default()).unwrap_err().to_string()
     }
 
+    /// The stages of a trace have constant gains: a machine whose gains are scheduled would be misread.
+    #[test]
+    fn a_machine_with_a_gain_schedule_is_refused_by_name() {
+        let keys = "gain_schedule_position_mm = [0, 9]\ngain_schedule_ratio = [1, 2]\n";
+        let scheduled = MACHINE.replace("force_limit_n", &format!("{keys}force_limit_n"));
+        let scheduled = Machine::parse(&scheduled, "m.toml").unwrap();
+        let log = log("l.csv", 1000.0, Unit::Millimetre);
+        let refused = |machine: &Machine| {
+            admit(machine, std::slice::from_ref(&log), &[], &AdmissionOptions::default())
+                .map(|_| ())
+                .map_err(|e| e.to_string())
+        };
+        assert_eq!(refused(&machine()), Ok(()));
+        assert!(refused(&scheduled).unwrap_err().contains("axis.x.gain_schedule_ratio"));
+    }
+
     #[test]
     fn a_log_of_a_multiple_of_the_rate_is_thinned_and_this_is_noted() {
         let fast = log("fast.csv", 4000.0, Unit::Millimetre);

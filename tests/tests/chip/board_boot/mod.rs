@@ -12,10 +12,11 @@ mod ticks;
 mod wiring;
 
 use firmware::setup::{IDENTITY, RATES};
+use shared::config::Brake;
 use shared::link::report::UsbState;
 use shared::link::{Refusal, Reply, Request};
-use shared::safety::Power;
-use tests::firmware::{RAM, SERIAL, TICK, built};
+use shared::safety::{Fault, Power};
+use tests::firmware::{RAM, SERIAL, SETTINGS_SLOTS, TICK, built};
 use tests::gdb::SP;
 
 use checks::{
@@ -23,7 +24,9 @@ use checks::{
     power_stages, stack_depth_is_as_computed, tick_rate_is_as_set_up,
 };
 use host::Host;
-use tests::board::inputs::{ARMED, CLOSED, COUNTS, Inputs, PUSHED};
+use stored::record_of;
+use tests::board::inputs::{ARMED, CLOSED, COUNTS, Inputs, PUSHED, SupplyInputs};
+use tests::board::log::written;
 use tests::board::usb_core::StuckUsbCore;
 use tests::board::{Chip, End};
 
@@ -56,7 +59,13 @@ fn the_flashed_program_starts_and_ticks_a_thousand_times_without_an_exception() 
 
 /// Runs until the drives are on: the switch closes, and a host at the serial port says hello and enables the drives.
 fn enabled_by_a_host() -> (Chip, Host) {
+    enabled_with(&[])
+}
+
+/// [`enabled_by_a_host`] with the beginning of the first slot for settings; the rest of the flash is erased.
+fn enabled_with(slot: &[u8]) -> (Chip, Host) {
     let mut chip = Chip::start(&built("board"), Some(Inputs::default()));
+    chip.target.set_memory(SETTINGS_SLOTS[0], slot).unwrap();
     let mut host = Host::connect(&chip);
     // QEMU drops bytes that arrive before the port is on.
     assert_eq!(chip.run(20), Ok(End::Ticked), "{}", chip.diagnostics());
@@ -133,6 +142,69 @@ fn an_open_safety_contact_switches_the_drives_off() {
         let ticks = chip.ticks();
         assert_eq!(chip.run(ticks + 3), Ok(End::Ticked), "{}", chip.diagnostics());
         assert_eq!(power_stages(&chip.log.accesses()), [!off; 2], "bit {bit}");
+    }
+}
+
+/// The last write to PC13 of the fault light, which is on while the pin is low.
+fn is_light_on(chip: &Chip) -> Option<bool> {
+    let writes = chip.log.accesses();
+    let last = written(&writes, "GPIOC", 0x18).filter(|bits| bits & 0x2000_2000 != 0).last();
+    last.map(|bits| bits & 1 << (13 + 16) != 0)
+}
+
+/// A bus voltage beyond 36 to 60 V switches the drives off, by the divider of the page; more than 80 °C stops the axes first. The light is on then.
+#[test]
+fn a_supply_beyond_its_limits_is_a_fault_with_its_name() {
+    let of = |bus_v, temperature_c| SupplyInputs { bus_v, temperature_c };
+    for (supply, fault) in [
+        (of(35.5, 25.0), Some(Fault::BusUndervoltage)),
+        (of(36.5, 25.0), None),
+        (of(59.5, 79.0), None),
+        (of(60.5, 25.0), Some(Fault::BusOvervoltage)),
+        (of(48.0, 81.0), Some(Fault::OverTemperature)),
+    ] {
+        let (mut chip, mut host) = enabled_by_a_host();
+        assert_eq!(is_light_on(&chip), Some(false));
+        chip.inputs.as_mut().unwrap().supply = supply;
+        let ticks = chip.ticks();
+        assert_eq!(chip.run(ticks + 20), Ok(End::Ticked), "{}", chip.diagnostics());
+        host.send(&Request::Status);
+        assert_eq!(chip.run(ticks + 60), Ok(End::Ticked), "{}", chip.diagnostics());
+        let Some(Reply::Status(status)) = host.reply() else { panic!("no status") };
+        let expected = fault.map_or(Power::On, Power::Faulted);
+        assert_eq!(status.power, expected, "{} V, {} °C", supply.bus_v, supply.temperature_c);
+        assert_eq!(
+            (is_light_on(&chip), power_stages(&chip.log.accesses())),
+            (Some(fault.is_some()), [fault.is_none(); 2])
+        );
+    }
+}
+
+/// The writes to PD2 of the brakes: high opens them.
+fn brakes_open(chip: &Chip) -> Vec<bool> {
+    let writes = chip.log.accesses();
+    let bits = written(&writes, "GPIOD", 0x18).filter(|bits| bits & 0x0004_0004 != 0);
+    let mut open: Vec<bool> = bits.map(|bits| bits & 1 << 2 != 0).collect();
+    open.dedup();
+    open
+}
+
+/// With a brake on an axis, PD2 goes high when the drives come on, and low when they go off: by a disable, and by the stop.
+#[test]
+fn the_brakes_open_with_the_drives_and_close_with_them() {
+    let slot = record_of(|axis| axis.brake = Some(Brake { release_s: 0.0, engage_s: 0.0 }));
+    for by_stop in [false, true] {
+        let (mut chip, mut host) = enabled_with(&slot);
+        assert_eq!(brakes_open(&chip), [false, true], "{}", chip.diagnostics());
+        let ticks = chip.ticks();
+        if by_stop {
+            chip.inputs.as_mut().unwrap().open = 1 << 12;
+        } else {
+            host.send(&Request::Disable);
+        }
+        assert_eq!(chip.run(ticks + 40), Ok(End::Ticked), "{}", chip.diagnostics());
+        assert_eq!(power_stages(&chip.log.accesses()), [false, false]);
+        assert_eq!(brakes_open(&chip), [false, true, false], "by the stop: {by_stop}");
     }
 }
 

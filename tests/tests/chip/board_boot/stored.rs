@@ -1,8 +1,8 @@
 //! Settings in the flash of the emulated chip. QEMU has no flash controller: what is loaded is tested here, saving is tested on the
 //! host (`shared/tests/link/saving.rs`) and on the emulated servo board (`servo_board`).
 
-use firmware::setup::LINK_SETTINGS;
-use shared::config::Rates;
+use firmware::setup::{AXES, LINK_SETTINGS};
+use shared::config::{AxisSettings, Rates};
 use shared::link::message::{BoardSettings, UploadKind};
 use shared::link::report::{SettingsReport, SettingsSource, StoredRecord};
 use shared::link::{Reply, Request};
@@ -10,7 +10,7 @@ use shared::safety::{Fault, Power};
 use shared::storage::memory::MemoryFlash;
 use shared::storage::{SlotError, Slots, Store};
 use tests::board::inputs::Inputs;
-use tests::board::log::watchdog_periods_ms;
+use tests::board::log::{Access, watchdog_periods_ms};
 use tests::board::{Chip, End};
 use tests::firmware::{SETTINGS_SLOTS, built};
 
@@ -28,15 +28,25 @@ const SLOT: usize = 2048;
 /// Ticks per position command in the record; the program has 5.
 const DIVIDER: u32 = 4;
 
-/// A slot with a record.
+/// A slot with a record of other ticks per position command.
 fn record() -> Vec<u8> {
+    slot_with(Rates { position_loop_divider: DIVIDER, ..LINK_SETTINGS.rates }, &LINK_SETTINGS.axes)
+}
+
+/// A slot with a record of the settings of the program, changed for each axis.
+pub fn record_of(change: impl Fn(&mut AxisSettings)) -> Vec<u8> {
+    let mut axes = LINK_SETTINGS.axes;
+    axes.iter_mut().for_each(change);
+    slot_with(LINK_SETTINGS.rates, &axes)
+}
+
+fn slot_with(rates: Rates, axes: &[AxisSettings; AXES]) -> Vec<u8> {
     let mut flash = MemoryFlash::<{ 2 * SLOT }, SLOT, 1>::erased();
     let length = u32::try_from(SLOT).unwrap();
     let mut store = Store::new(&mut flash, Slots { starts: [0, length], length }, BOARD).unwrap();
-    let rates = Rates { position_loop_divider: DIVIDER, ..LINK_SETTINGS.rates };
     let mut writer = store.writer().unwrap();
     writer.message(&mut store, &UploadKind::Settings).unwrap();
-    writer.message(&mut store, &BoardSettings { rates, axes: LINK_SETTINGS.axes }).unwrap();
+    writer.message(&mut store, &BoardSettings { rates, axes: *axes }).unwrap();
     assert_eq!(writer.commit(&mut store), Ok(1));
     flash.bytes_mut()[..SLOT].to_vec()
 }
@@ -106,5 +116,13 @@ fn a_save_erases_the_sector_of_the_older_slot_with_a_slow_watchdog() {
         assert_eq!(erased, [sector], "{controls:x?}");
         assert!(controls.iter().all(|bits| bits & SER != 0), "{controls:x?}");
         watchdog_periods_ms(&accesses, &[10.0, 32_760.0, 10.0]);
+        // The end of the erase is read in FLASH_SR, and the lock in FLASH_CR; the wait states are those before it.
+        for offset in [0x0c, 0x10] {
+            let reads = |access: &&Access| {
+                access.device == FLASH_INTERFACE && access.offset == offset && access.written.is_none()
+            };
+            assert!(accesses.iter().any(|access| reads(&access)), "{offset:#x} is not read");
+        }
+        assert_eq!(chip.clocks.flash_access(), (5, true));
     }
 }

@@ -1,6 +1,8 @@
 //! Consistency of the filters and limits of the controller, checked by the code in `shared` that uses them.
 
-use shared::config::{AxisConfig, AxisSettings, ConfigError, NOTCHES, Notches, Rates};
+use shared::config::{
+    AxisConfig, AxisSettings, ConfigError, GainSchedule, NOTCHES, Notches, Rates, SCHEDULE_POINTS,
+};
 use shared::interpolate::smooth::{Filter, WINDOW};
 use shared::units::TRAVEL_LIMIT_M;
 
@@ -93,6 +95,58 @@ impl Context<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The points of the gain schedule, checked by the controller in f64.
+    pub(super) fn gain_schedule(&self, rates: Rates) -> Result<(), InputError> {
+        let schedule = &self.settings.schedule;
+        let keys = [
+            ("gain_schedule_position_mm", &schedule.position_mm),
+            ("gain_schedule_speed_mm_per_s", &schedule.speed_mm_per_s),
+        ];
+        if let [(first, Some(_)), (second, Some(_))] = keys {
+            return Err(self.refuse(second, &format!("no such key, as {first} is given")));
+        }
+        let given = keys.iter().find_map(|(key, places)| Some((*key, places.as_ref()?)));
+        let (key, places, ratios) = match (given, &schedule.ratio) {
+            (None, None) => return Ok(()),
+            (None, Some(_)) => {
+                return Err(self.refuse("gain_schedule_position_mm", "a value beside gain_schedule_ratio"));
+            }
+            (Some((key, _)), None) => {
+                return Err(self.refuse("gain_schedule_ratio", &format!("a value beside {key}")));
+            }
+            (Some((key, places)), Some(ratios)) => (key, &places.0, &ratios.0),
+        };
+        if !(2..=SCHEDULE_POINTS).contains(&places.len()) {
+            return Err(self.refuse(key, &format!("2 to {SCHEDULE_POINTS} numbers")));
+        }
+        if places.len() != ratios.len() {
+            return Err(self.refuse("gain_schedule_ratio", &format!("as many numbers as {key} has")));
+        }
+        let Some(kv) = self.settings.controller.velocity_gain_n_s_per_m else {
+            return Err(self.refuse("velocity_gain_n_s_per_m", &format!("a value beside {key}")));
+        };
+        let settings = AxisSettings {
+            velocity_gain_n_s_per_m: kv,
+            gain_schedule: servo::gain_schedule(schedule),
+            ..AxisSettings::default()
+        };
+        match AxisConfig::<f64>::new(&settings, rates) {
+            Err(ConfigError::OutOfRange { name: "gain_schedule_ratio", min, max }) => {
+                Err(self.refuse("gain_schedule_ratio", &format!("numbers from {min} to {max}")))
+            }
+            Err(ConfigError::OutOfRange {
+                name: "gain_schedule_position" | "gain_schedule_speed",
+                max,
+                ..
+            }) => {
+                let spacing = 1e3 * GainSchedule::LEAST_SPACING;
+                Err(self
+                    .refuse(key, &format!("ascending numbers, {spacing} or more apart, up to {}", 1e3 * max)))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Brake and preload.

@@ -61,6 +61,23 @@ fn filters_and_limits_are_converted_to_the_units_of_the_controller() {
     close(none.saturation_time_s, default.saturation_time_s);
 }
 
+/// Points over position or speed, in m and m/s; a file is written as it was read.
+#[test]
+fn an_axis_has_a_gain_schedule() {
+    use shared::config::{GainSchedule, SchedulePoint, ScheduledOver};
+    for (key, over) in [
+        ("gain_schedule_position_mm", ScheduledOver::Position),
+        ("gain_schedule_speed_mm_per_s", ScheduledOver::Speed),
+    ] {
+        let keys = format!("{key} = [20, 60.5, 100]\ngain_schedule_ratio = [1, 2, 0.5]\n");
+        let machine = Machine::parse(&with(&keys), "m.toml").unwrap();
+        assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
+        let points = [(0.02, 1.0), (0.0605, 2.0), (0.1, 0.5)].map(|(at, ratio)| SchedulePoint { at, ratio });
+        let found = crate::servo::gain_schedule(&machine.axis["y"].settings.schedule);
+        assert_eq!(found, GainSchedule::of(over, points));
+    }
+}
+
 /// Each notch has its number of each key; a file is written as it was read.
 #[test]
 fn an_axis_has_several_notches() {
@@ -140,6 +157,42 @@ const BAD_LOOPS: &[(&str, &str)] = &[
         "line 7: axis.y.smoothing_time_constant_s: expected no such key, as smoothing_s is given, found 0.3",
     ),
     ("smoothing_time_constant_s = 2e3", "expected a time of at most a million samples, found 2e3"),
+    (
+        "gain_schedule_ratio = [1, 2]",
+        "axis.y.gain_schedule_position_mm: expected a value beside gain_schedule_ratio",
+    ),
+    (
+        "gain_schedule_speed_mm_per_s = [1, 2]",
+        "axis.y.gain_schedule_ratio: expected a value beside gain_schedule_speed_mm_per_s",
+    ),
+    (
+        "gain_schedule_position_mm = [1, 2]\ngain_schedule_speed_mm_per_s = [1, 2]\ngain_schedule_ratio = [1, 2]",
+        "line 7: axis.y.gain_schedule_speed_mm_per_s: expected no such key, as gain_schedule_position_mm is given",
+    ),
+    (
+        "gain_schedule_position_mm = [1]\ngain_schedule_ratio = [1]",
+        "line 6: axis.y.gain_schedule_position_mm: expected 2 to 6 numbers",
+    ),
+    (
+        "gain_schedule_position_mm = [1, 2, 3, 4, 5, 6, 7]\ngain_schedule_ratio = [1, 1, 1, 1, 1, 1, 1]",
+        "line 6: axis.y.gain_schedule_position_mm: expected 2 to 6 numbers",
+    ),
+    (
+        "gain_schedule_position_mm = [1, 5]\ngain_schedule_ratio = [1, 1, 1]",
+        "line 7: axis.y.gain_schedule_ratio: expected as many numbers as gain_schedule_position_mm has",
+    ),
+    (
+        "gain_schedule_position_mm = [1, 5]\ngain_schedule_ratio = [1, 5]",
+        "line 7: axis.y.gain_schedule_ratio: expected numbers from 0.25 to 4",
+    ),
+    (
+        "gain_schedule_position_mm = [5, 1]\ngain_schedule_ratio = [1, 2]",
+        "line 6: axis.y.gain_schedule_position_mm: expected ascending numbers, 1 or more apart, up to 100000",
+    ),
+    (
+        "gain_schedule_speed_mm_per_s = [-1, 1]\ngain_schedule_ratio = [1, 2]",
+        "line 6: axis.y.gain_schedule_speed_mm_per_s[0]",
+    ),
     ("notch_frequency_hz = 100.0", "axis.y.notch_width_hz: expected a value beside notch_frequency_hz"),
     ("notch_depth = 1", "axis.y.notch_frequency_hz: expected a value beside notch_depth, found none"),
     (
