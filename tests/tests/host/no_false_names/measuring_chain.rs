@@ -11,7 +11,7 @@ use trace::judge::declared_value::DeclaredValue;
 use trace::{Identification, trace};
 
 use super::machine::TestMachine;
-use super::reported::{assert_value, beyond_tolerance, certain, context, found, named};
+use super::reported::{assert_named, assert_value, beyond_tolerance, certain, context, found, named};
 
 /// A machine with P control, and its period of the velocity loop, ms.
 const P: u64 = 1;
@@ -62,17 +62,20 @@ fn a_late_velocity_command_beside_a_filter_is_named() {
     assert_value(found(&trace, 0, "loop_delay"), "ms", 4.0 * TICK_MS, 0.1);
 }
 
-/// A belt or long screw: once false, ambiguous names. No effect describes a stiffness that varies along the travel; that something does
-/// is said.
+/// A belt or long screw: once false, ambiguous names. 1/(1 + 0.3·sin) is from 1/1.3 to 1/0.7 of the compliance over the travel, 66 % of the
+/// declared one peak to peak, and the mean over the travel is within 10 % of it.
 #[test]
-fn a_stiffness_that_varies_is_said_and_has_no_certain_name() {
+fn a_stiffness_that_varies_has_its_name_alone() {
     let wave = Sinusoid { amplitude: 0.3, period: 0.2, phase: 0.5 };
     let machine = TestMachine::new(P).with_mechanics(0, |x| x.stiffness_wave = wave);
     let trace = machine.trace();
-    let false_names = certain(&trace).into_iter().filter(|(_, name)| *name != "windup");
-    assert_eq!(false_names.collect::<Vec<_>>(), [], "{}", context(&trace));
-    let [x, y] = trace.axes() else { panic!("{}", context(&trace)) };
-    assert!(!x.unexplained.is_empty() && y.found.is_empty(), "{}", context(&trace));
+    assert_named(&trace, &[("x", "stiffness_map")]);
+    assert_eq!(certain(&trace), [("x", "stiffness_map")], "{}", context(&trace));
+    let values = found(&trace, 0, "stiffness_map").effect.values();
+    let percent = &values[values.len() / 2..];
+    let range = percent.iter().fold(f64::MIN, |most, value| most.max(*value))
+        - percent.iter().fold(f64::MAX, |least, value| least.min(*value));
+    assert!((60.0..72.0).contains(&range), "{range}: {}", context(&trace));
 }
 
 /// A control that outputs and logs its force one tick after the reading it follows from. Kv·T is then taken for a mass: once, a motor
@@ -253,14 +256,14 @@ fn a_wave_of_the_screw_beside_instants_that_jitter_is_no_certain_error_of_the_re
     assert!(rivals.contains(other), "{}", context(&traced));
 }
 
-/// A stiffness that varies along the travel. Once: "table mass 13.1 ± 0.1 % above", with the search for the motor mass and for the
-/// stiffness stopped at bounds.
+/// A stiffness that varies along the travel of both axes. Once: "table mass 13.1 ± 0.1 % above", with the search for the motor mass and for
+/// the stiffness stopped at bounds. The mean stiffness of x is beyond these bounds, and its map is not told as a fact.
 #[test]
 fn a_value_beside_others_at_their_bounds_is_not_beyond_its_tolerance() {
     let traced = trace_of_drawn(35, 67);
     assert_eq!(
         (certain(&traced), beyond_tolerance(&traced)),
-        (vec![("y", "torque_ripple")], vec![]),
+        (vec![("y", "torque_ripple"), ("y", "stiffness_map")], vec![]),
         "{}",
         context(&traced)
     );
