@@ -123,8 +123,8 @@ impl EffectModel for PitchMap {
     fn coordinates(&self) -> Vec<Coordinate> {
         let coordinate = |&value: &f64| Coordinate::signed(value, 0.2, 1e5);
         let (mean_um, width_um) = (self.mean_um(), self.width_um().unwrap_or_default());
-        let mean = KeptPart::Line.free(&mean_um).iter().map(coordinate);
-        mean.chain(KeptPart::Mean.free(&width_um).iter().map(coordinate)).collect()
+        let free = [KeptPart::Line.free(&mean_um), KeptPart::Mean.free(&width_um)].concat();
+        free.iter().map(coordinate).collect()
     }
 
     fn at(&self, x: &[f64]) -> Self {

@@ -19,7 +19,7 @@ const USUAL_PERCENT: f64 = 50.0;
 /// between them, constant beyond them. Cause: the length of the screw between nut and bearing. A screw with one fixed bearing is
 /// softer by 1/(E·A) per metre of that length; one with two is softest in the middle.
 ///
-/// The mean over the knots is not fitted, as it is that of the declared stiffness.
+/// The mean over the knots between the outermost ones is not fitted, as it is that of the declared stiffness.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StiffnessMap {
@@ -53,7 +53,7 @@ impl StiffnessMap {
 
 impl EffectModel for StiffnessMap {
     const NAME: &'static str = "stiffness_map";
-    const SUMMARY: &'static str = "change of the compliance between motor and table, given at positions with a natural cubic spline between them and constant beyond; its mean is not fitted";
+    const SUMMARY: &'static str = "change of the compliance between motor and table, given at positions with a natural cubic spline between them and constant beyond; its mean between the ends is not fitted";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::list("positions_mm", Unit::Millimetre, Range::Signed),
         Parameter::list("compliance_percent", Unit::Percent, Range::Signed),
@@ -90,11 +90,11 @@ impl EffectModel for StiffnessMap {
 
     fn coordinates(&self) -> Vec<Coordinate> {
         let coordinate = |&value: &f64| Coordinate::signed(value, 2.0, 1e4);
-        KeptPart::Mean.free(&self.compliance_percent).iter().map(coordinate).collect()
+        KeptPart::InnerMean.free(&self.compliance_percent).iter().map(coordinate).collect()
     }
 
     fn at(&self, x: &[f64]) -> Self {
-        let compliance_percent = KeptPart::Mean.with(&self.positions_mm, &self.compliance_percent, x);
+        let compliance_percent = KeptPart::InnerMean.with(&self.positions_mm, &self.compliance_percent, x);
         Self { compliance_percent, ..self.clone() }
     }
 
@@ -125,7 +125,7 @@ impl EffectModel for StiffnessMap {
     fn sentence(&self, wording: &Wording) -> String {
         let count = self.positions_mm.len();
         format!(
-            "the compliance between motor and table varies over the position by {} of the declared one peak to peak from {} to {} \
+            "the compliance between motor and table varies over the position by {} of its mean peak to peak from {} to {} \
              ({count} knots)",
             wording.peak_to_peak(count..2 * count),
             wording.value(0),

@@ -35,6 +35,9 @@ pub fn resampled(positions_mm: &[f64], values: &[f64], at_mm: &[f64]) -> Vec<f64
 pub enum KeptPart {
     /// The mean of the values. The fit changes all values but the last, which follows.
     Mean,
+    /// The mean of the values but the first and the last, which a motion that hardly reaches them does not determine. The fit changes all
+    /// values but the one in the middle, which follows.
+    InnerMean,
     /// Mean and slope: the sum of the values, and the sum of values times positions. The fit changes all values but the
     /// first and the last, which follow.
     Line,
@@ -43,11 +46,15 @@ pub enum KeptPart {
 impl KeptPart {
     /// The values that a fit changes.
     #[must_use]
-    pub fn free(self, values: &[f64]) -> &[f64] {
+    pub fn free(self, values: &[f64]) -> Vec<f64> {
         let end = values.len().saturating_sub(1);
         match self {
-            Self::Mean => &values[..end],
-            Self::Line => values.get(1..end).unwrap_or_default(),
+            Self::Mean => values[..end].to_vec(),
+            Self::InnerMean => {
+                let middle = values.len() / 2;
+                values.iter().enumerate().filter(|(i, _)| *i != middle).map(|(_, value)| *value).collect()
+            }
+            Self::Line => values.get(1..end).unwrap_or_default().to_vec(),
         }
     }
 
@@ -55,6 +62,14 @@ impl KeptPart {
     #[must_use]
     pub fn with(self, positions: &[f64], old: &[f64], free: &[f64]) -> Vec<f64> {
         let last = positions.len() - 1;
+        if self == Self::InnerMean && last > 1 {
+            let middle = positions.len() / 2;
+            let mut values = free.to_vec();
+            values.insert(middle, 0.0);
+            let inner = |values: &[f64]| values.get(1..last).unwrap_or_default().iter().sum::<f64>();
+            values[middle] = inner(old) - inner(&values);
+            return values;
+        }
         // What the dependent values have to add to the sum of the values, and to that of values times positions.
         let change = |weight: fn(f64) -> f64| -> f64 {
             let before = old.iter().zip(positions).map(|(value, x)| value * weight(*x)).sum::<f64>();
@@ -63,7 +78,7 @@ impl KeptPart {
         };
         let sum = change(|_| 1.0);
         match self {
-            Self::Mean => free.iter().copied().chain([sum]).collect(),
+            Self::Mean | Self::InnerMean => free.iter().copied().chain([sum]).collect(),
             Self::Line => {
                 let moment = change(|x| x);
                 let end = (moment - sum * positions[0]) / (positions[last] - positions[0]);
@@ -100,7 +115,7 @@ mod tests {
     fn the_kept_part_remains_and_the_free_values_are_set() {
         let (positions, old) = ([0.0, 1.0, 3.0, 4.0], [1.0, 2.0, -4.0, 3.0]);
         for kept in [KeptPart::Mean, KeptPart::Line] {
-            assert_eq!(kept.with(&positions, &old, kept.free(&old)), old);
+            assert_eq!(kept.with(&positions, &old, &kept.free(&old)), old);
             let free: Vec<f64> = kept.free(&old).iter().map(|value| value + 0.5).collect();
             let moved = kept.with(&positions, &old, &free);
             assert_eq!(kept.free(&moved), free);
@@ -108,6 +123,19 @@ mod tests {
             let moment: f64 = moved.iter().zip(positions).map(|(value, x)| value * x).sum();
             assert_eq!((moment - 2.0).abs() < 1e-12, kept == KeptPart::Line);
         }
+    }
+
+    /// 2 − 4 = −2 stays the sum of the inner values, whatever the others become.
+    #[test]
+    fn the_ends_are_free_of_an_inner_mean() {
+        let (positions, old) = ([0.0, 1.0, 3.0, 4.0], [1.0, 2.0, -4.0, 3.0]);
+        let kept = KeptPart::InnerMean;
+        assert_eq!(kept.free(&old), [1.0, 2.0, 3.0]);
+        assert_eq!(kept.with(&positions, &old, &kept.free(&old)), old);
+        assert_eq!(kept.with(&positions, &old, &[7.0, 5.0, -9.0]), [7.0, 5.0, -7.0, -9.0]);
+        // With two positions there is no inner one, and the first stays free.
+        assert_eq!(kept.free(&[1.0, 2.0]), [1.0]);
+        assert_eq!(kept.with(&[0.0, 1.0], &[1.0, 2.0], &[5.0]), [5.0, -2.0]);
     }
 
     #[test]
