@@ -64,7 +64,7 @@ pub trait FlashAccess {
 /// The two keys of `FLASH_KEYR` (3.6.1).
 const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
 
-/// Bits of `FLASH_SR` (3.9.5): the errors, each of which is cleared by a one (SOP of bit 0, EOP, is none), and busy.
+/// Bits of `FLASH_SR` (3.9.5): the errors, each of which is cleared by a one, and busy.
 const ERRORS: u32 = 1 << 7 | 1 << 6 | 1 << 5 | 1 << 4 | 1 << 1;
 const BUSY: u32 = 1 << 16;
 

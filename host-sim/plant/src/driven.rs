@@ -14,7 +14,7 @@
 use super::friction::SlidingState;
 use super::parameters::AxisParameters;
 use super::presliding::{ExactStep, StepTime};
-use super::screw::Spring;
+use super::screw::{Screw, Spring};
 
 /// Motion of the screw at the end of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -34,6 +34,20 @@ pub struct ScrewMotion {
     pub compliance_change: f64,
     /// Time on the session clock, s.
     pub time_s: f64,
+}
+
+impl ScrewMotion {
+    /// At rest with the motor at a true position, m.
+    #[must_use]
+    #[inline]
+    pub fn at(screw: &Screw, motor_m: f64) -> Self {
+        Self {
+            nominal_m: screw.nominal_m(motor_m),
+            half_gap_m: screw.half_gap_m(motor_m),
+            compliance_change: screw.compliance(motor_m) - 1.0,
+            ..Self::default()
+        }
+    }
 }
 
 /// State of the table, relative to the screw.
@@ -272,15 +286,7 @@ mod tests {
         for (velocity, steps) in [(0.02, 100), (-0.02, 200), (0.02, 200)] {
             for _ in 0..steps {
                 let nominal_m = screw.nominal_m + velocity * h;
-                let half_gap_m = parameters.screw.half_gap_m(nominal_m);
-                let compliance_change = parameters.screw.compliance(nominal_m) - 1.0;
-                screw = ScrewMotion {
-                    nominal_m,
-                    velocity,
-                    half_gap_m,
-                    compliance_change,
-                    ..ScrewMotion::default()
-                };
+                screw = ScrewMotion { velocity, ..ScrewMotion::at(&parameters.screw, nominal_m) };
                 table.step(&step, screw);
             }
             let lag = screw.nominal_m - table.position_m(parameters, screw);

@@ -71,7 +71,7 @@ impl Stepper<f64> {
             step: StepTime::new(step_s),
             in_contact,
             in_gap: has_gap.then(|| two_masses(None)),
-            is_coupling_constant: !has_gap && parameters.screw.compliance_map.is_empty(),
+            is_coupling_constant: parameters.screw.is_coupling_constant(),
             guide: Guide::new(parameters),
             is_motor_ideal: !parameters.has_motor_friction()
                 && parameters.motor_turning_n == 0.0

@@ -62,6 +62,12 @@ impl Screw {
         self.backlash.width_um > 0.0 || !self.gap_map.is_empty()
     }
 
+    /// Whether screw and nut are always in contact, with the same stiffness everywhere.
+    #[must_use]
+    pub fn is_coupling_constant(&self) -> bool {
+        !self.has_gap() && self.compliance_map.is_empty()
+    }
+
     /// Half of the gap, m, at a true motor position (m).
     #[must_use]
     #[inline]

@@ -58,10 +58,9 @@ impl Condition {
 
     /// Compliance of the drive train, as a part of the declared one.
     fn compliance(self, axis: &AxisParameters) -> f64 {
-        let [least, most] = axis.screw.compliance_range();
         match self {
-            Self::Softest => most,
-            Self::Stiffest => least,
+            Self::Softest => axis.screw.compliance_range()[1],
+            Self::Stiffest => axis.screw.compliance_range()[0],
             _ => 1.0,
         }
     }

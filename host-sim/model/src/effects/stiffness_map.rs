@@ -15,8 +15,8 @@ const LEAST_COMPLIANCE: f64 = 0.1;
 /// Standard deviation of the compliance that is assumed where nothing is known, %.
 const USUAL_PERCENT: f64 = 50.0;
 
-/// Changes the compliance between motor and table, 1/k, by a part of the declared one that is given at positions: a natural cubic spline
-/// between them, constant beyond them. Cause: the length of the screw between nut and bearing. A screw with one fixed bearing is
+/// Changes the compliance between motor and table, 1/k of the declared stiffness or of a wind-up, by a part of it that is given at
+/// positions: a natural cubic spline between them, constant beyond them. Cause: the length of the screw between nut and bearing. A screw with one fixed bearing is
 /// softer by 1/(E·A) per metre of that length; one with two is softest in the middle.
 ///
 /// The mean over the knots between the outermost ones is not fitted, as it is that of the declared stiffness.

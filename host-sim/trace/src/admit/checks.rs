@@ -23,8 +23,8 @@ pub fn is_at_rest(logs: &[Cow<'_, Log>], axis: &str, options: &AdmissionOptions)
 /// Checks that a log belongs to the machine and contains usable motion.
 ///
 /// # Errors
-/// For an axis that the machine lacks, an axis with a gain schedule, which the equations of a trace do not have, too little or too much travel, a sensor reading that does not change, or too few
-/// samples.
+/// For an axis that the machine lacks, an axis with a gain schedule, which the equations of a trace do not have, too little or too much
+/// travel, a sensor reading that does not change, or too few samples.
 pub fn check(machine: &Machine, log: &Log, options: &AdmissionOptions) -> Result<(), InputError> {
     let refuse = |what: String, found: String| Err(InputError::expected(&log.source, what, found));
     for axis in &log.axes {

@@ -61,11 +61,7 @@ impl InitialState {
 /// An axis in steady motion, with its motor at a position (m) and a velocity (m/s), at a time on the session clock (s).
 #[must_use]
 pub fn steady_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64, time_s: f64) -> AxisMotion {
-    let nominal_m = parameters.screw.nominal_m(motor_m);
-    let half_gap_m = parameters.screw.half_gap_m(motor_m);
-    let compliance_change = parameters.screw.compliance(motor_m) - 1.0;
-    let screw =
-        ScrewMotion { nominal_m, velocity, half_gap_m, compliance_change, time_s, ..ScrewMotion::default() };
+    let screw = ScrewMotion { velocity, time_s, ..ScrewMotion::at(&parameters.screw, motor_m) };
     let table = DrivenTable::settled(parameters, screw);
     AxisMotion {
         motor_m,

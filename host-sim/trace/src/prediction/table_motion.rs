@@ -81,15 +81,11 @@ impl<'a> SimulatedTable<'a> {
         let MeasuredMotor { motor, path, start_s } = measured;
         let first_m = path.points[0].reading_m;
         let motor_m = parameters.motor_of_reading_m(first_m);
-        let nominal_m = parameters.screw.nominal_m(motor_m);
         let screw = ScrewMotion {
-            nominal_m,
             velocity: motor.velocity[0],
             acceleration: motor.acceleration[0],
-            half_gap_m: parameters.screw.half_gap_m(motor_m),
-            compliance_change: parameters.screw.compliance(motor_m) - 1.0,
             time_s: start_s,
-            ..ScrewMotion::default()
+            ..ScrewMotion::at(&parameters.screw, motor_m)
         };
         let of_spring = |spring: &Spring| parameters.table_mass_kg / spring.stiffness_n_per_m;
         Self {
@@ -99,7 +95,7 @@ impl<'a> SimulatedTable<'a> {
             motor_m,
             screw,
             dividing_error: Differentiated::new(motor_m - first_m),
-            screw_error: Differentiated::new(nominal_m - motor_m),
+            screw_error: Differentiated::new(screw.nominal_m - motor_m),
             table: DrivenTable::settled(parameters, screw),
             motion: TableMotion::with_capacity(motor.value.len()),
         }
@@ -111,17 +107,15 @@ impl<'a> SimulatedTable<'a> {
         let Self { parameters, dividing_error, screw_error, .. } = self;
         let per_step = self.step.per_second();
         self.motor_m = parameters.motor_of_reading_m(point.reading_m);
-        let nominal_m = parameters.screw.nominal_m(self.motor_m);
+        let at_rest = ScrewMotion::at(&parameters.screw, self.motor_m);
         dividing_error.advance(self.motor_m - point.reading_m, per_step);
-        screw_error.advance(nominal_m - self.motor_m, per_step);
+        screw_error.advance(at_rest.nominal_m - self.motor_m, per_step);
         self.screw = ScrewMotion {
-            nominal_m,
-            velocity: (nominal_m - self.screw.nominal_m) * per_step,
+            velocity: (at_rest.nominal_m - self.screw.nominal_m) * per_step,
             acceleration: point.acceleration + dividing_error.acceleration + screw_error.acceleration,
             error_velocity: screw_error.rate,
-            half_gap_m: parameters.screw.half_gap_m(self.motor_m),
-            compliance_change: parameters.screw.compliance(self.motor_m) - 1.0,
             time_s: self.screw.time_s + step_s,
+            ..at_rest
         };
         self.table.step(&self.step, self.screw);
     }

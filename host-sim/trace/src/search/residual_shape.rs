@@ -44,7 +44,9 @@ pub fn shape(
     let table = samples(data, residuals, scope.shown_in.of(Stage::Table));
     let force = samples(data, residuals, Stage::Force);
     let friction: Vec<Sample> = force.iter().map(|sample| sample.as_multiple_of(sample.direction)).collect();
-    let stretch: Vec<Sample> = table
+    // Without a declared stiffness, no effect asks for it.
+    let stretched = if mechanics.stiffness_n_per_um.is_some() { &table[..] } else { &[] };
+    let stretch: Vec<Sample> = stretched
         .iter()
         .map(|sample| sample.as_multiple_of(force_on_table_n(mechanics, sample)))
         .filter(|sample| sample.weight > 0.0)

@@ -44,47 +44,45 @@ pub enum KeptPart {
 }
 
 impl KeptPart {
+    /// Of a kept mean, the index of the value that follows from the others, and the indices over which the mean is.
+    fn of_mean(self, count: usize) -> (usize, std::ops::Range<usize>) {
+        match self {
+            Self::InnerMean if count > 2 => (count / 2, 1..count - 1),
+            _ => (count - 1, 0..count),
+        }
+    }
+
     /// The values that a fit changes.
     #[must_use]
     pub fn free(self, values: &[f64]) -> Vec<f64> {
         let end = values.len().saturating_sub(1);
-        match self {
-            Self::Mean => values[..end].to_vec(),
-            Self::InnerMean => {
-                let middle = values.len() / 2;
-                values.iter().enumerate().filter(|(i, _)| *i != middle).map(|(_, value)| *value).collect()
-            }
-            Self::Line => values.get(1..end).unwrap_or_default().to_vec(),
+        if values.is_empty() || self == Self::Line {
+            return values.get(1..end).unwrap_or_default().to_vec();
         }
+        let (dependent, _) = self.of_mean(values.len());
+        [&values[..dependent], &values[dependent + 1..]].concat()
     }
 
     /// All values, for other values of those that a fit changes; `old` has the part that is kept.
     #[must_use]
     pub fn with(self, positions: &[f64], old: &[f64], free: &[f64]) -> Vec<f64> {
-        let last = positions.len() - 1;
-        if self == Self::InnerMean && last > 1 {
-            let middle = positions.len() / 2;
-            let mut values = free.to_vec();
-            values.insert(middle, 0.0);
-            let inner = |values: &[f64]| values.get(1..last).unwrap_or_default().iter().sum::<f64>();
-            values[middle] = inner(old) - inner(&values);
+        if self != Self::Line {
+            let (dependent, range) = self.of_mean(positions.len());
+            let Some((before, behind)) = free.split_at_checked(dependent) else { return old.to_vec() };
+            let mut values = [before, &[0.0], behind].concat();
+            let sum = |values: &[f64]| values[range.clone()].iter().sum::<f64>();
+            values[dependent] = sum(old) - sum(&values);
             return values;
         }
+        let last = positions.len() - 1;
         // What the dependent values have to add to the sum of the values, and to that of values times positions.
         let change = |weight: fn(f64) -> f64| -> f64 {
             let before = old.iter().zip(positions).map(|(value, x)| value * weight(*x)).sum::<f64>();
-            let start = usize::from(self == Self::Line);
-            before - free.iter().zip(&positions[start..]).map(|(value, x)| value * weight(*x)).sum::<f64>()
+            before - free.iter().zip(&positions[1..]).map(|(value, x)| value * weight(*x)).sum::<f64>()
         };
-        let sum = change(|_| 1.0);
-        match self {
-            Self::Mean | Self::InnerMean => free.iter().copied().chain([sum]).collect(),
-            Self::Line => {
-                let moment = change(|x| x);
-                let end = (moment - sum * positions[0]) / (positions[last] - positions[0]);
-                [sum - end].into_iter().chain(free.iter().copied()).chain([end]).collect()
-            }
-        }
+        let (sum, moment) = (change(|_| 1.0), change(|x| x));
+        let end = (moment - sum * positions[0]) / (positions[last] - positions[0]);
+        [sum - end].into_iter().chain(free.iter().copied()).chain([end]).collect()
     }
 }
 
