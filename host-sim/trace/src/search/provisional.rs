@@ -6,14 +6,18 @@
 //! the residual is that of the noise and every effect is supported beside the others; otherwise the search ends where it was
 //! before.
 //!
+//! Two effects of the tool may cancel in one log: on a diagonal, in-talk and cross-talk are proportional to the same
+//! acceleration. That log has a small residual and therefore a large weight, so that neither effect alone gains anything. The
+//! candidate that leaves least together with another one is then added.
+//!
 //! No setting of the controller is added in this way. They compensate each other: with enough of them any controller would
 //! describe any motion.
 
-use super::candidates::Candidate;
 use super::mass_check::takes_place_of_mass;
 use super::round::Round;
 use crate::fit::fit_data::{FitData, ResidualSeries};
 use crate::fit::least_squares::{self, Fitted};
+use crate::fit::model_bias::log_rms;
 use crate::fit::scope::Scope;
 use model::effects::Stage;
 
@@ -28,23 +32,54 @@ pub struct Before {
     pub rounds: Vec<Round>,
 }
 
-/// The candidate of a round that gains most although it is not supported, by its index, with its fit. `None` if the model
-/// describes the logs without it, or no candidate gains as much as a supported one has to.
+/// The candidate of a round that is to be added although it is not supported, by its index, with its fit: the one that gains most,
+/// or else the one that does so together with another one. `None` if the model describes the logs without it, or no
+/// candidate gains as much as a supported one has to.
 #[must_use]
 pub fn candidate(data: &FitData<'_>, base: &Fitted, round: &Round, scope: &Scope) -> Option<(usize, Fitted)> {
     if scope.stages.contains(&Stage::Motor) || !is_gross(data, base, scope) {
         return None;
     }
-    let options = &data.options.search;
-    let possible = |(index, candidate): (usize, &Candidate)| {
-        let may_be_added =
-            candidate.exceeds_tolerance && candidate.limit.is_none() && candidate.gain >= options.min_gain();
-        let start = candidate.fitted.as_ref().filter(|_| may_be_added)?;
+    let possible = |&index: &usize| {
+        let start = round.candidates[index].fitted.as_ref()?;
         let fitted = least_squares::fit_from(data, &start.model, scope, least_squares::STEPS, &start.columns);
         let is_limited = fitted.model.at_limit(fitted.model.found().len() - 1).is_some();
         (!is_limited && !takes_place_of_mass(data, base, &fitted, scope)).then_some((index, fitted))
     };
-    round.candidates.iter().enumerate().find_map(possible)
+    let may_be_added = |index: &usize| {
+        let candidate = &round.candidates[*index];
+        candidate.fitted.is_some() && candidate.exceeds_tolerance && candidate.limit.is_none()
+    };
+    let candidates: Vec<usize> = (0..round.candidates.len()).filter(may_be_added).collect();
+    let min_gain = data.options.search.min_gain();
+    let gains = candidates.iter().filter(|&&index| round.candidates[index].gain >= min_gain);
+    let alone = gains.clone().find_map(possible);
+    alone.or_else(|| possible(&of_best_pair(data, base, &Pairs { round, candidates: &candidates }, scope)?))
+}
+
+/// Candidates of a round, by their indices, that are tried in pairs.
+struct Pairs<'a> {
+    round: &'a Round,
+    candidates: &'a [usize],
+}
+
+/// The first of the two candidates that leave least together; `None` if no two gain as much as a supported one has to. Of the tool
+/// alone, whose fits need no simulation of the drive.
+fn of_best_pair(data: &FitData<'_>, base: &Fitted, pairs: &Pairs<'_>, scope: &Scope) -> Option<usize> {
+    if scope.stages != [Stage::Tool] {
+        return None;
+    }
+    let left = |fitted: &Fitted| log_rms(data, &fitted.residuals, scope);
+    let leaves = |(first, second): (usize, usize)| {
+        let fitted = pairs.round.candidates[first].fitted.as_ref()?;
+        let both = fitted.model.with(pairs.round.candidates[second].effect.clone());
+        let both = least_squares::fit_from(data, &both, scope, least_squares::STEPS, &fitted.columns);
+        Some((first, left(&both)))
+    };
+    let first = pairs.candidates.iter().enumerate();
+    let all = first.flat_map(|(i, &first)| pairs.candidates[i + 1..].iter().map(move |&second| (first, second)));
+    let best = all.filter_map(leaves).min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (best.1 < left(base) - data.options.search.min_gain()).then_some(best.0)
 }
 
 /// Whether a fit with effects that were added provisionally leaves no more than the noise. One effect alone must be supported
