@@ -129,7 +129,7 @@ pub struct State {
     pub table_m: f64,
     /// Speed of the table.
     pub table_m_per_s: f64,
-    /// Acceleration of the table over the last step.
+    /// Acceleration of the table at this position.
     pub table_m_per_s2: f64,
     /// Deflection of the bristles of the table's friction.
     pub bristle_m: f64,
@@ -154,14 +154,20 @@ impl Mechanics {
         let motor_friction_n = self.motor_friction_n(motor);
         let ripple_n = self.ripple.at(state.motor_m);
         let motor_n = force_n + ripple_n - spring_n - motor_friction_n;
-        let load_n = self.load_n + self.load_n_per_m * state.table_m + self.load_wave.at(state.table_m);
-        let table_n = spring_n - friction_n - load_n;
+        let table_n = spring_n - friction_n - self.load_n(state);
         state.motor_m_per_s = motor + STEP_S * motor_n / self.motor_kg;
-        state.table_m_per_s2 = table_n / self.table_kg;
-        state.table_m_per_s = table + STEP_S * state.table_m_per_s2;
+        state.table_m_per_s = table + STEP_S * table_n / self.table_kg;
         state.motor_m += STEP_S * state.motor_m_per_s;
         state.table_m += STEP_S * state.table_m_per_s;
         state.time_s += STEP_S;
+        // The next step changes the bristles of the state itself.
+        let table_n = self.spring_n(state) - self.friction_n(&mut { *state }) - self.load_n(state);
+        state.table_m_per_s2 = table_n / self.table_kg;
+    }
+
+    /// Load of the table, positive if it opposes forward motion.
+    fn load_n(&self, state: &State) -> f64 {
+        self.load_n + self.load_n_per_m * state.table_m + self.load_wave.at(state.table_m)
     }
 
     /// (C + S·exp(−(v/vs)²))·tanh(v/v0).

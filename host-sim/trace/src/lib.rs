@@ -11,7 +11,8 @@
 //! | [`mod@judge`] | [`Hypotheses`](search::Hypotheses) | [`Findings`](judge::Findings) | drops effects at a limit and effects that the validation logs refute, analyses the remaining residual |
 //! | [`mod@result`] | [`Findings`](judge::Findings) | [`Identification`] | states the evidence against the effects, proposes motions that distinguish rivals |
 //!
-//! `fit`, `search` and the first part of `judge` see one axis; all axes are traced at the same time.
+//! `fit`, `search` and the first part of `judge` see the logs of one axis; all axes are traced at the same time. After the search, each axis is fitted
+//! beside the models found of the others.
 //!
 //! Modules used by several steps are beside them: signals ([`input`]), [`prediction`] of each stage by a model, from the measured signal
 //! upstream of the stage, [`data_faults`], [`analysis`] of residuals, the removal of effects from a model ([`dropped`]),
@@ -49,7 +50,7 @@ use fit::fit;
 use judge::{judge, judge_together};
 use repair::repair;
 use result::identify;
-use search::search;
+use search::{SearchedAxis, fit_together, search};
 use task::Job;
 
 /// Traces a machine with the default thresholds. Without validation logs the last quarter of each log is held out.
@@ -111,11 +112,11 @@ fn run(job: &Job<'_>, logs: Logs<'_>) -> Result<Identification, InputError> {
     let job = &Job { machine, ..*job };
     let admitted = admit(job, logs)?;
     let repaired = repair(job, admitted)?;
-    let of_axes = repaired.map_axes(|axis| {
-        let baseline = fit(job, axis);
-        let hypotheses = search(job, axis, baseline);
-        judge(job, axis, hypotheses)
-    });
+    let of_axes = repaired.map_axes(
+        |axis| search(job, axis, fit(job, axis)),
+        SearchedAxis::model,
+        |axis, searched| judge(job, axis, fit_together(job, axis, searched)),
+    );
     let findings = judge_together(job, &repaired, of_axes);
     Ok(identify(repaired, findings))
 }

@@ -1,5 +1,6 @@
 //! One axis of a trace.
 
+use super::axis_model::AxisModel;
 use super::fit_data::{FitData, ResidualSeries};
 use model::machine::Axis;
 
@@ -15,6 +16,16 @@ pub struct AxisData<'a> {
 }
 
 impl<'a> AxisData<'a> {
+    /// These data beside models of all axes.
+    #[must_use]
+    pub const fn beside(&self, axes: &'a [AxisModel]) -> Self {
+        Self {
+            declared: self.declared,
+            fit: FitData { axes, ..self.fit },
+            validate: FitData { axes, ..self.validate },
+        }
+    }
+
     /// These data, with the error of the tracer's own simulation in the fit logs and in the validation logs subtracted.
     #[must_use]
     pub const fn without_bias(&self, [fit, validate]: &'a [Vec<ResidualSeries>; 2]) -> Self {

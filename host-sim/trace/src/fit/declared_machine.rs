@@ -36,6 +36,6 @@ impl DeclaredMachine {
     #[must_use]
     pub fn data<'a>(&'a self, logs: &'a [Signals], axis: usize) -> FitData<'a> {
         let data = FitData::new(logs, &self.names, axis, self.machine.rates(), &self.options);
-        FitData { declared_axes: &self.axes, ..data }
+        FitData { axes: &self.axes, ..data }
     }
 }

@@ -24,8 +24,8 @@ pub struct FitData<'a> {
     pub exclusions: &'a [Exclusion],
     /// Error of the tracer's own simulation, subtracted from the residuals: see [`super::model_bias`].
     pub bias: &'a [ResidualSeries],
-    /// The declared models of all axes, for the axes that excite the tool of this one; empty: not known.
-    pub declared_axes: &'a [AxisModel],
+    /// Models of all axes, for those that excite the tool of this one: the declared ones, after the search those found; empty: not known.
+    pub axes: &'a [AxisModel],
     /// The thresholds of the trace.
     pub options: &'a TraceOptions,
 }
@@ -60,7 +60,7 @@ impl<'a> FitData<'a> {
         rates: Rates,
         options: &'a TraceOptions,
     ) -> Self {
-        Self { logs, names, axis, rates, exclusions: &[], bias: &[], declared_axes: &[], options }
+        Self { logs, names, axis, rates, exclusions: &[], bias: &[], axes: &[], options }
     }
 
     /// Name of the axis.

@@ -10,7 +10,7 @@ use super::axis_model::AxisModel;
 use super::fit_data::FitData;
 use crate::input::signals::Signals;
 use crate::input::smoothing::Smooth;
-use crate::prediction::closed_loop::ClosedLoopRun;
+use crate::prediction::closed_loop::{ClosedLoopRun, TableMotion};
 use model::effects::Channel;
 use numerics::resample::delayed_cubic;
 use plant::parameters::AxisParameters;
@@ -24,7 +24,7 @@ pub fn is_needed(model: &AxisModel) -> bool {
 }
 
 /// A log in which the tables of this axis and of the axes that excite its tool, and its tool, are those of the models in
-/// their closed loops; `None` if a loop cannot be simulated. The models of the other axes are the declared ones.
+/// their closed loops; `None` if a loop cannot be simulated. The models of the other axes are those of the data.
 #[must_use]
 pub fn simulated(data: &FitData<'_>, model: &AxisModel, log: usize) -> Option<Signals> {
     let measured = &data.logs[log];
@@ -36,10 +36,10 @@ pub fn simulated(data: &FitData<'_>, model: &AxisModel, log: usize) -> Option<Si
         if axis != data.axis && !is_source {
             continue;
         }
-        let model = if axis == data.axis { model } else { data.declared_axes.get(axis)? };
+        let model = if axis == data.axis { model } else { data.axes.get(axis)? };
         let (of_axis, parameters) = (FitData { axis, ..*data }, model.parameters());
         let mut run = of_axis.closed_loop(model, &parameters, &measured.axes[axis])?;
-        run.table_with_tool_m.iter_mut().for_each(|m| *m += 1e-6 * model.table_zero_um);
+        run.table.iter_mut().for_each(|table| table.position_m += 1e-6 * model.table_zero_um);
         let late_s = parameters.latency_s(Channel::Table);
         let read_m = read_m(&run, &parameters, measured);
         let table_m = delayed_cubic(read_m, late_s, measured.sample_s);
@@ -59,8 +59,8 @@ pub fn simulated(data: &FitData<'_>, model: &AxisModel, log: usize) -> Option<Si
 /// What the scale reads of a simulated table, m.
 fn read_m(run: &ClosedLoopRun, parameters: &AxisParameters, measured: &Signals) -> Vec<f64> {
     let time_s = |sample: usize| measured.start_s + sample as f64 * measured.sample_s;
-    let table_m = run.table_with_tool_m.iter().enumerate();
-    table_m.map(|(i, m)| m + parameters.scale.error_m(*m, time_s(i))).collect()
+    let table_m = run.table.iter().map(|table| table.position_m).enumerate();
+    table_m.map(|(i, m)| m + parameters.scale.error_m(m, time_s(i))).collect()
 }
 
 /// The tool of the axis in simulated loops, m. The tables of axes that were not simulated are the measured ones.
@@ -73,21 +73,22 @@ fn tool_m(
     let parameters = model.parameters();
     let own = runs[data.axis].as_ref()?;
     let position_m = |axis: usize, i: usize| match &runs[axis] {
-        Some(run) => run.table_with_tool_m[i],
+        Some(run) => run.table[i].position_m,
         None => measured.axes[axis].table_or_motor().map_or(0.0, |table| table.value[i]),
     };
     let axes = 0..data.names.len();
     let tool_m = |i: usize| {
         let positions: Vec<f64> = axes.clone().map(|axis| position_m(axis, i)).collect();
         let accelerations: Vec<f64> =
-            runs.iter().map(|run| run.as_ref().map_or(0.0, |run| run.table_m_per_s2[i])).collect();
+            runs.iter().map(|run| run.as_ref().map_or(0.0, |run| run.table[i].m_per_s2)).collect();
         let tables = Tables { names: data.names, position_m: &positions, acceleration: &accelerations };
         let time_s = measured.start_s + i as f64 * measured.sample_s;
         let offset_m = tool_point::offset_m(&parameters.tool, data.axis, &tables, time_s);
-        let grown_m = parameters.scale.displacement_m(own.table_with_tool_m[i], time_s);
-        own.table_with_tool_m[i] + grown_m + own.oscillation_m[i] + offset_m + 1e-6 * model.tool_zero_um
+        let TableMotion { position_m, oscillation_m, .. } = own.table[i];
+        let grown_m = parameters.scale.displacement_m(position_m, time_s);
+        position_m + grown_m + oscillation_m + offset_m + 1e-6 * model.tool_zero_um
     };
-    Some((0..own.table_with_tool_m.len()).map(tool_m).collect())
+    Some((0..own.table.len()).map(tool_m).collect())
 }
 
 /// Replaces a channel by simulated values, filtered alike; `None` if the log lacks the channel.

@@ -13,6 +13,7 @@ use crate::data_faults::excluded::Excluded;
 use crate::data_faults::fault::DataFault;
 use crate::data_faults::late_command::{self, Late};
 use crate::fit::axis_data::AxisData;
+use crate::fit::axis_model::AxisModel;
 use crate::fit::declared_machine::DeclaredMachine;
 use crate::fit::held_effects;
 use crate::input::parts::Parts;
@@ -20,7 +21,6 @@ use crate::input::signals::Signals;
 use crate::task::Job;
 use files::error::InputError;
 use files::log::Log;
-use model::machine::Axis;
 
 /// Logs without the faults that can be corrected, and the signals in which effects are searched for.
 #[derive(Clone, Debug)]
@@ -47,20 +47,29 @@ impl Repaired<'_> {
         Parts::of([fit, validate], &self.declared.options.admission)
     }
 
-    /// The results of a function of each axis, of all at the same time unless their logs are long: memory would grow with their number.
-    pub fn map_axes<T: Send>(&self, of: impl Fn(&AxisData<'_>) -> T + Sync) -> Vec<T> {
+    /// Two steps of each axis, the second of which sees the models after the first step of all axes. Of long logs, one axis follows the
+    /// other, as memory would grow with their number; the second step then sees the declared models.
+    pub fn map_axes<T: Send, U: Send>(
+        &self,
+        first: impl Fn(&AxisData<'_>) -> T + Sync,
+        model: impl Fn(&T) -> &AxisModel,
+        second: impl Fn(&AxisData<'_>, T) -> U + Sync,
+    ) -> Vec<U> {
         let [fit, validate] = &self.signals;
-        let of_axis = |(index, declared): (usize, &Axis)| {
-            let [fit, validate] = [fit, validate].map(|logs| self.declared.data(logs, index));
-            of(&AxisData { declared, fit, validate })
-        };
-        let axes: Vec<&Axis> = self.declared.machine.axis.values().collect();
+        let declared_axes = self.declared.machine.axis.values().enumerate();
+        let axes: Vec<AxisData<'_>> = declared_axes
+            .map(|(index, declared)| {
+                let [fit, validate] = [fit, validate].map(|logs| self.declared.data(logs, index));
+                AxisData { declared, fit, validate }
+            })
+            .collect();
         let samples: usize = fit.iter().map(Signals::len).sum();
-        if samples * axes.len() <= self.declared.options.admission.max_samples_at_once {
-            axes.into_par_iter().enumerate().map(of_axis).collect()
-        } else {
-            axes.into_iter().enumerate().map(of_axis).collect()
+        if samples * axes.len() > self.declared.options.admission.max_samples_at_once {
+            return axes.iter().map(|axis| second(axis, first(axis))).collect();
         }
+        let results: Vec<T> = axes.par_iter().map(&first).collect();
+        let models: Vec<AxisModel> = results.iter().map(|result| model(result).clone()).collect();
+        axes.par_iter().zip(results).map(|(axis, result)| second(&axis.beside(&models), result)).collect()
     }
 
     /// Preparation of further signals of the logs, and the commands that are late in them.

@@ -35,17 +35,37 @@ pub struct Hypotheses {
     pub not_testable: Vec<NotTestable>,
 }
 
-/// Searches for effects that a baseline lacks, unless the task is to evaluate it; then fits everything together.
+/// What a search added to a baseline.
+pub struct SearchedAxis {
+    baseline: Baseline,
+    searched: Searched,
+}
+
+impl SearchedAxis {
+    /// The model with the effects.
+    #[must_use]
+    pub const fn model(&self) -> &AxisModel {
+        &self.searched.model
+    }
+}
+
+/// Searches for effects that a baseline lacks, unless the task is to evaluate it.
 #[must_use]
-pub fn search(job: &Job<'_>, axis: &AxisData<'_>, baseline: Baseline) -> Hypotheses {
-    let Baseline { written, model: declared, fits: declared_fits, scopes, not_testable } = baseline;
-    let steps = Steps { job, data: &axis.fit, scopes: &scopes };
+pub fn search(job: &Job<'_>, axis: &AxisData<'_>, baseline: Baseline) -> SearchedAxis {
+    let Baseline { model: declared, scopes, .. } = &baseline;
+    let steps = Steps { job, data: &axis.fit, scopes };
     let searched = match job.request.task {
-        Task::Search => {
-            assumption::searched(&axis.fit, &scopes, &declared, |from| steps.through_scopes(from))
-        }
-        Task::Evaluate => steps.through_scopes(&declared),
+        Task::Search => assumption::searched(&axis.fit, scopes, declared, |from| steps.through_scopes(from)),
+        Task::Evaluate => steps.through_scopes(declared),
     };
+    SearchedAxis { baseline, searched }
+}
+
+/// Fits everything together. The data have the models of the other axes, as far as they are known.
+#[must_use]
+pub fn fit_together(job: &Job<'_>, axis: &AxisData<'_>, axis_searched: SearchedAxis) -> Hypotheses {
+    let SearchedAxis { baseline, searched } = axis_searched;
+    let Baseline { written, model: declared, fits: declared_fits, scopes, not_testable } = baseline;
     let FinalFit { model, fits, bias } = final_fit(
         [&axis.fit, &axis.validate],
         &written,
@@ -54,8 +74,8 @@ pub fn search(job: &Job<'_>, axis: &AxisData<'_>, baseline: Baseline) -> Hypothe
         job.progress,
     );
     let unbiased = FitData { bias: &bias[0], ..axis.fit };
-    let baseline =
-        Steps { data: &unbiased, ..steps }.refit_baseline(&declared, declared_fits, (&model, &fits));
+    let steps = Steps { job, data: &unbiased, scopes: &scopes };
+    let baseline = steps.refit_baseline(&declared, declared_fits, (&model, &fits));
     let axis = FittedAxis { baseline, model, fits };
     Hypotheses { written, axis, bias, rounds: searched.rounds, scopes, not_testable }
 }

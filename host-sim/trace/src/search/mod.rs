@@ -1,4 +1,5 @@
-//! Step 4, the search: [`search`] takes the baseline of an axis, and returns the [`hypotheses`] that its fit logs support.
+//! Step 4, the search: [`search`] takes the baseline of an axis and adds the effects that its fit logs support; [`fit_together`] fits these
+//! [`hypotheses`] beside the models of the other axes.
 //!
 //! [`effect_search`] adds one effect per [`round`]. The [`residual_shape`] gives the knots of maps and the periods of
 //! harmonics with which candidates start. A round ranks the [`candidates`], compares them on [`held_out`] data and
@@ -26,4 +27,4 @@ pub mod round;
 pub mod scale_waves;
 pub mod several_of_kind;
 
-pub use hypotheses::{Hypotheses, search};
+pub use hypotheses::{Hypotheses, SearchedAxis, fit_together, search};

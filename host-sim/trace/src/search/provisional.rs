@@ -77,7 +77,8 @@ fn of_best_pair(data: &FitData<'_>, base: &Fitted, pairs: &Pairs<'_>, scope: &Sc
         Some((first, left(&both)))
     };
     let first = pairs.candidates.iter().enumerate();
-    let all = first.flat_map(|(i, &first)| pairs.candidates[i + 1..].iter().map(move |&second| (first, second)));
+    let all =
+        first.flat_map(|(i, &first)| pairs.candidates[i + 1..].iter().map(move |&second| (first, second)));
     let best = all.filter_map(leaves).min_by(|a, b| a.1.total_cmp(&b.1))?;
     (best.1 < left(base) - data.options.search.min_gain()).then_some(best.0)
 }
