@@ -13,6 +13,7 @@ use super::missing_effects::missing_effects;
 use super::provisional::{self, is_gross};
 use super::refinement::refined;
 use super::round::Round;
+use super::scale_noise_check::removes_only_noise;
 use crate::analysis::residual_analysis::unexplained;
 use crate::analysis::variable::Variable;
 use crate::dropped::{Dropped, Reason};
@@ -260,7 +261,9 @@ impl EffectSearch<'_> {
                 |limited: &[Effect]| limited.iter().any(|limited| !is_other_form(&candidate.effect, limited));
             let is_substitute = may_replace(&limited) && scope.stages == [Stage::Motor]
                 || may_replace(&all_limited) && is_gross(data, &fitted, scope);
-            let is_substitute = is_substitute || takes_place_of_mass(data, base, &fitted, scope);
+            let is_substitute = is_substitute
+                || takes_place_of_mass(data, base, &fitted, scope)
+                || removes_only_noise(data, base, &fitted, scope);
             if candidate.limit.is_none() && !is_substitute {
                 return Some((index, fitted));
             }
@@ -315,7 +318,7 @@ impl EffectSearch<'_> {
                 Candidate { effect, comparison, gain, fitted: None, exceeds_tolerance: true, limit: None };
             let is_alone = scope.stages == [Stage::Force];
             let is_needed = judged.is_needed(options) || is_alone && judged.is_consistent(options);
-            (!is_needed).then_some(without)
+            (!is_needed || removes_only_noise(data, &without, full, scope)).then_some(without)
         })
     }
 

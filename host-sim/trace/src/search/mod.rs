@@ -24,6 +24,7 @@ pub mod refinement;
 pub mod residual_samples;
 pub mod residual_shape;
 pub mod round;
+pub mod scale_noise_check;
 pub mod scale_waves;
 pub mod several_of_kind;
 

@@ -25,6 +25,19 @@ fn three_effects_of_the_tool() {
     assert_exact(Kind::Many, 1201, 2);
 }
 
+/// An in-talk of 2.0 µm per m/s² beside a cross-talk of −2.6 of the same axis: on the diagonal they cancel but for a fifth, so that neither
+/// gained anything alone. Once nothing was named, "the model does not describe these logs", with 80 times the noise left.
+#[test]
+fn two_accelerations_that_cancel_on_a_diagonal() {
+    assert_exact(Kind::Textbook, 20_261_501, 12);
+}
+
+/// An in-talk of −3.7 µm per m/s², which passes on the noise of the scale, was one of −3.3 and a mode of 269 Hz, certain: together they pass on less.
+#[test]
+fn a_mode_that_only_turns_the_noise_of_the_scale() {
+    assert_exact(Kind::Textbook, 20_261_502, 10);
+}
+
 /// A drift, a mode and a squareness of similar size: each improves only two of three folds.
 #[test]
 fn three_effects_of_the_tool_of_similar_size() {
