@@ -325,16 +325,18 @@ pub fn open_ends(axis: &AxisIdentification) -> Vec<String> {
 #[must_use]
 pub fn free_run(unit: Unit, run: &FreeRun) -> String {
     let (symbol, _) = residual_unit(unit, Stage::Motor);
+    let (force_unit, _) = residual_unit(unit, Stage::Force);
     let force = if unit == Unit::Degree { "torque" } else { "force" };
     format!(
         "{}: simulated with the measured {force} alone, the declared model has an error of {} {symbol} rms within {} s, \
-         the model with the effects found {} {symbol} ({} {}, held out).",
+         the model with the effects found {} {symbol} ({} {}, held out), as much as a constant error of the {force} of {} {force_unit} makes.",
         run.axis,
         significant(run.declared, 3),
         significant(run.seconds, 2),
         significant(run.after, 3),
         run.runs,
         if run.runs == 1 { "run" } else { "runs" },
+        significant(run.force_error, 2),
     )
 }
 

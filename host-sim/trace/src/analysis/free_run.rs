@@ -4,6 +4,8 @@
 //! motor is the double integral of the force error divided by the mass. As it grows without bound, the simulation is
 //! restarted at regular intervals.
 
+use std::ops::Range;
+
 use crate::input::signals::AxisSignals;
 use crate::prediction::initial_state::steady_motion;
 use model::effects::{Channel, Effect, Timing};
@@ -28,7 +30,12 @@ pub struct FreeRun {
     pub declared: f64,
     /// Error of the model with the effects found over all runs, in the same unit.
     pub after: f64,
+    /// The constant error of the force that alone would make [`Self::after`], N or N·m.
+    pub force_error: f64,
 }
+
+/// Part of the rms of the force that is added to it to find how far an error of the force moves the axis.
+const ADDED_PART: f64 = 1e-3;
 
 /// Free runs of the declared and of the better model, both fitted, over held-out logs. Empty if the axis is not rigid (the
 /// initial stretch of its spring is not measured), or if motor, force or masses are missing.
@@ -46,55 +53,116 @@ pub fn free_runs(name: &str, declared: &Axis, better: &Axis, logs: &[(&AxisSigna
     timed.effect.extend(better.effect.iter().filter(is_timing).cloned());
     let models = [&timed, better].map(AxisParameters::of);
     let of_duration = |&seconds: &f64| {
-        let sums = models.each_ref().map(|model| {
-            let of_log = |&(signals, sample_s): &(&AxisSignals, f64)| run(model, signals, sample_s, seconds);
-            logs.iter().filter_map(of_log).fold((0.0, 0, 0), |a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2))
-        });
-        let rms_um = |(squares, samples, _): (f64, usize, usize)| 1e6 * (squares / samples as f64).sqrt();
-        let [declared, after] = sums;
-        (after.1 > 0).then(|| FreeRun {
+        let of_log =
+            |&(signals, sample_s): &(&AxisSignals, f64)| Squares::of(&models, signals, sample_s, seconds);
+        let sum = logs.iter().filter_map(of_log).reduce(Squares::plus).filter(|sum| sum.samples > 0)?;
+        let rms = |squares: f64| (squares / sum.samples as f64).sqrt();
+        let after_m = rms(sum.after);
+        Some(FreeRun {
             axis: name.to_owned(),
             seconds,
-            runs: after.2,
-            declared: rms_um(declared),
-            after: rms_um(after),
+            runs: sum.runs,
+            declared: 1e6 * rms(sum.declared),
+            after: 1e6 * after_m,
+            force_error: after_m / rms(sum.per_n),
         })
     };
     DURATIONS_S.iter().filter_map(of_duration).collect()
 }
 
-/// Σ error² (m²), samples and runs over one log; an incomplete run at its end is left out.
-fn run(
-    parameters: &AxisParameters,
-    signals: &AxisSignals,
-    sample_s: f64,
-    seconds: f64,
-) -> Option<(f64, usize, usize)> {
-    let (motor, force) = (signals.motor.as_ref()?, signals.force.as_ref()?);
-    let n = motor.raw.len();
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "samples of seconds")]
-    let length = ((seconds / sample_s).round() as usize).max(2);
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, a handful")]
-    let substeps = (sample_s / parameters.max_step_s()).ceil().max(1.0) as u32;
-    let lag_s = parameters.servo.drive_time_constant_s(0.0);
-    let stepper = Stepper::new(parameters, lag_s, sample_s / f64::from(substeps));
-    let late = parameters.latency_s(Channel::Force) / sample_s;
-    let force_n = delayed_linear(&force.raw, -1.0 - late);
-    // Runs start at the second sample, as the first has no central difference.
-    let (mut squares, mut samples, mut runs) = (0.0, 0, 0);
-    for start in (1..n).step_by(length).take_while(|start| start + length <= n) {
-        let time_s = signals.start_s + start as f64 * sample_s;
-        let mut motion = steady_motion(parameters, motor.value[start], motor.velocity[start], time_s);
-        for (i, measured_m) in motor.raw.iter().enumerate().skip(start).take(length) {
-            squares += (motion.motor_m - measured_m).powi(2);
-            samples += 1;
-            // The force from this sample to the next is logged with the next sample.
-            let force_n = force_n[i];
-            (0..substeps).for_each(|_| stepper.step(parameters, &mut motion, force_n));
-        }
-        runs += 1;
+/// Sums over the samples of free runs.
+#[derive(Clone, Copy)]
+struct Squares {
+    samples: usize,
+    runs: usize,
+    /// Errors of the models, m².
+    declared: f64,
+    after: f64,
+    /// Displacement of the better model by a constant force, m²/N².
+    per_n: f64,
+}
+
+impl Squares {
+    fn of(
+        [declared, better]: &[AxisParameters; 2],
+        signals: &AxisSignals,
+        sample_s: f64,
+        seconds: f64,
+    ) -> Option<Self> {
+        let motor = signals.motor.as_ref()?;
+        let added_n = ADDED_PART * numerics::rms(signals.force.as_ref()?.raw.iter().copied());
+        let runs_of = |parameters, added_n| Runs::of(parameters, signals, [sample_s, seconds, added_n]);
+        let [declared, after] = [runs_of(declared, 0.0)?, runs_of(better, 0.0)?];
+        let pushed = runs_of(better, added_n)?;
+        let measured = &motor.raw[after.samples()];
+        Some(Self {
+            samples: after.motor_m.len(),
+            runs: after.count,
+            declared: squares_of_difference(&declared.motor_m, measured),
+            after: squares_of_difference(&after.motor_m, measured),
+            per_n: squares_of_difference(&pushed.motor_m, &after.motor_m) / (added_n * added_n),
+        })
     }
-    Some((squares, samples, runs))
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            samples: self.samples + other.samples,
+            runs: self.runs + other.runs,
+            declared: self.declared + other.declared,
+            after: self.after + other.after,
+            per_n: self.per_n + other.per_n,
+        }
+    }
+}
+
+fn squares_of_difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum()
+}
+
+/// Simulated motors of consecutive runs over one log; an incomplete run at its end is left out.
+struct Runs {
+    motor_m: Vec<f64>,
+    count: usize,
+}
+
+impl Runs {
+    /// Runs start at the second sample, as the first has no central difference.
+    const START: usize = 1;
+
+    /// With the sample time and the duration of a run, s, and a constant force that is added to the measured one, N.
+    fn of(
+        parameters: &AxisParameters,
+        signals: &AxisSignals,
+        [sample_s, seconds, added_n]: [f64; 3],
+    ) -> Option<Self> {
+        let (motor, force) = (signals.motor.as_ref()?, signals.force.as_ref()?);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "samples of seconds")]
+        let length = ((seconds / sample_s).round() as usize).max(2);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, a handful")]
+        let substeps = (sample_s / parameters.max_step_s()).ceil().max(1.0) as u32;
+        let lag_s = parameters.servo.drive_time_constant_s(0.0);
+        let stepper = Stepper::new(parameters, lag_s, sample_s / f64::from(substeps));
+        let late = parameters.latency_s(Channel::Force) / sample_s;
+        let force_n = delayed_linear(&force.raw, -1.0 - late);
+        let n = motor.raw.len();
+        let mut runs = Self { motor_m: Vec::new(), count: 0 };
+        for start in (Self::START..n).step_by(length).take_while(|start| start + length <= n) {
+            let time_s = signals.start_s + start as f64 * sample_s;
+            let mut motion = steady_motion(parameters, motor.value[start], motor.velocity[start], time_s);
+            // The force from a sample to the next is logged with the next sample.
+            for force_n in &force_n[start..start + length] {
+                runs.motor_m.push(motion.motor_m);
+                (0..substeps).for_each(|_| stepper.step(parameters, &mut motion, force_n + added_n));
+            }
+            runs.count += 1;
+        }
+        Some(runs)
+    }
+
+    /// The samples of the log that were simulated.
+    const fn samples(&self) -> Range<usize> {
+        Self::START..Self::START + self.motor_m.len()
+    }
 }
 
 #[cfg(test)]
@@ -125,6 +193,9 @@ mod tests {
             let expected_um = 1e6 * (1.0 - 1.0 / 1.02) * 0.25 * seconds * seconds / 5.0f64.sqrt();
             assert!((run.declared / expected_um - 1.0).abs() < 0.02, "{run:?} {expected_um}");
             assert!(run.after < 0.01 * expected_um, "{run:?}");
+            // A constant error of the force of 1 N is as much as 1/50 of the motion.
+            let um_per_n = 1e6 * 0.005 * seconds * seconds / 5.0f64.sqrt();
+            assert!((run.after / run.force_error / um_per_n - 1.0).abs() < 0.02, "{run:?} {um_per_n}");
         }
         assert_eq!(runs.iter().map(|run| run.runs).collect::<Vec<_>>(), [20, 4, 1]);
     }

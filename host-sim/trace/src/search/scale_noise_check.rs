@@ -47,7 +47,8 @@ pub fn removes_only_noise(data: &FitData<'_>, without: &Fitted, with: &Fitted, s
 fn with_noise(logs: &[Signals]) -> Vec<Signals> {
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     let mut noisy = |channel: &Smooth, sample_s: f64| {
-        let mut reading = |m: &f64| if random.random::<bool>() { m + channel.noise } else { m - channel.noise };
+        let mut reading =
+            |m: &f64| if random.random::<bool>() { m + channel.noise } else { m - channel.noise };
         channel.of_other(channel.raw.iter().map(&mut reading).collect(), sample_s)
     };
     let mut of_axis = |axis: &AxisSignals, sample_s: f64| match (&axis.table, &axis.motor) {

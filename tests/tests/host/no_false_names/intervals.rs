@@ -1,8 +1,8 @@
 //! Once, 95 % intervals contained 73 % of the true values.
 
 use self_test::case::Case;
-use self_test::score::Estimate;
 use self_test::kind::Kind;
+use self_test::score::Estimate;
 use self_test::trace_and_score;
 
 /// Cases of the textbook kind with 32 parameters.

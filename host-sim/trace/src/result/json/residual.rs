@@ -118,6 +118,14 @@ pub struct FreeRun {
     runs: usize,
     #[serde(flatten)]
     rms: InUnit<FreeRunFigures>,
+    /// The constant error of the force that alone would make the error after.
+    #[serde(flatten)]
+    force: InUnit<ForceFigures>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
+struct ForceFigures {
+    force_error: f64,
 }
 
 #[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
@@ -134,6 +142,7 @@ impl FreeRun {
             seconds: run.seconds,
             runs: run.runs,
             rms: InUnit::of(axis.unit, Stage::Motor, FreeRunFigures { declared, after }),
+            force: InUnit::of(axis.unit, Stage::Force, ForceFigures { force_error: run.force_error }),
         }
     }
 }
