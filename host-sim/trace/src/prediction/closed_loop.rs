@@ -121,8 +121,7 @@ pub fn closed_loop(
     let mut readings = ControllerReadings::new(&parameters.servo, tick_s, read(&motion, 0), &motion);
     let mut force_path = ForcePath::new(&parameters.servo, tick_s, motion.drive_n);
 
-    let mut result = ClosedLoopRun::default();
-    let mut last_n = 0.0;
+    let (mut result, mut last_n) = (ClosedLoopRun::default(), 0.0);
     for (i, &command) in command.iter().enumerate() {
         let added_n = added_n.get(i).copied().unwrap_or(0.0);
         let reading = read(&motion, i);
@@ -137,8 +136,8 @@ pub fn closed_loop(
                 state.position_tick(&config, position(command), Correction::NONE, for_position);
             }
             let (force, _) = state.velocity_tick(&config, for_velocity, added_n);
-            let delayed_n;
-            [last_n, delayed_n] = force_path.output_and_acting_n(force);
+            let [output_n, delayed_n] = force_path.output_and_acting_n(force);
+            last_n = output_n;
             let acting_n = parameters.drive_asymmetry.acting_n(delayed_n);
             for step in 0..substeps {
                 let before = motion.table_m_per_s;
