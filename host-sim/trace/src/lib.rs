@@ -1,13 +1,14 @@
 //! Identification of effects that a machine shows in its logs and that its declared model lacks.
 //!
-//! A trace is a pipeline of values. Each step is a folder with one entry, which takes a value and returns the next one:
+//! A trace is a pipeline of values. Each step is a folder with an entry, which takes a value and returns the next one:
 //!
 //! | step | takes | returns | does |
 //! |---|---|---|---|
 //! | [`mod@admit`] | [`Logs`] | [`Admitted`](admit::Admitted) | interpolates lost rows, thins logs to the rate of the machine |
 //! | [`mod@repair`] | [`Admitted`](admit::Admitted) | [`Repaired`](repair::Repaired) | reports and corrects faults of the data, refuses logs that cannot be traced, filters signals |
 //! | [`mod@fit`] | [`AxisData`](fit::axis_data::AxisData) | [`Baseline`](fit::Baseline) | fits the declared values within their tolerance |
-//! | [`mod@search`] | [`Baseline`](fit::Baseline) | [`Hypotheses`](search::Hypotheses) | adds effects of the catalogue that the fit logs support |
+//! | [`mod@search`] | [`Baseline`](fit::Baseline) | [`SearchedAxis`] | adds effects of the catalogue that the fit logs support |
+//! | [`fit_together`] | [`SearchedAxis`] | [`Hypotheses`](search::Hypotheses) | fits everything, beside the models found of the other axes |
 //! | [`mod@judge`] | [`Hypotheses`](search::Hypotheses) | [`Findings`](judge::Findings) | drops effects at a limit and effects that the validation logs refute, analyses the remaining residual |
 //! | [`mod@result`] | [`Findings`](judge::Findings) | [`Identification`] | states the evidence against the effects, proposes motions that distinguish rivals |
 //!

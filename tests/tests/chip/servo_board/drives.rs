@@ -74,6 +74,31 @@ fn a_wrong_setting_is_refused_by_name() {
     board.succeeds("board upload --port bench --machine machine.toml");
 }
 
+/// The board checks a gain schedule; one that it refuses leaves the settings as they are.
+#[test]
+fn a_gain_schedule_is_uploaded_and_one_beyond_its_ratios_is_refused() {
+    let Some(board) = EmulatedBoard::new() else { return };
+    let machine = std::fs::read_to_string(EmulatedBoard::file("host-sim/machines/bench.toml")).unwrap();
+    let gain = "velocity_gain_n_s_per_m = 3000.0\n";
+    let upload = |ratios: &str| {
+        let keys =
+            format!("{gain}gain_schedule_position_mm = [-50, 0, 50]\ngain_schedule_ratio = {ratios}\n");
+        std::fs::write(board.path().join("machine.toml"), machine.replacen(gain, &keys, 1)).unwrap();
+        "board upload --port bench --machine machine.toml"
+    };
+    let settings = || {
+        let status = board.succeeds("board status --port bench");
+        status.lines().find(|line| line.starts_with("settings:")).unwrap().to_owned()
+    };
+    for beyond in ["[1, 0.24, 1]", "[1, 4.1, 1]"] {
+        let refused = board.fails(2, upload(beyond));
+        assert!(refused.contains("gain_schedule_ratio") && refused.contains("0.25"), "{refused}");
+        assert!(settings().starts_with("settings: of its program"), "{refused}");
+    }
+    board.succeeds(upload("[1, 0.25, 4]"));
+    assert!(settings().starts_with("settings: uploaded"), "{}", settings());
+}
+
 /// Nothing moves, and there is no fault: the commands say so.
 #[test]
 fn commands_without_an_effect_say_so() {
