@@ -34,8 +34,9 @@ pub struct FreeRun {
     pub force_error: f64,
 }
 
-/// Part of the rms of the force that is added to it to find how far an error of the force moves the axis.
+/// Part of the rms of the force that is added to it to find how far an error of the force moves the axis, and the least such force, N.
 const ADDED_PART: f64 = 1e-3;
+const LEAST_ADDED_N: f64 = 1e-3;
 
 /// Free runs of the declared and of the better model, both fitted, over held-out logs. Empty if the axis is not rigid (the
 /// initial stretch of its spring is not measured), or if motor, force or masses are missing.
@@ -90,7 +91,8 @@ impl Squares {
         seconds: f64,
     ) -> Option<Self> {
         let motor = signals.motor.as_ref()?;
-        let added_n = ADDED_PART * numerics::rms(signals.force.as_ref()?.raw.iter().copied());
+        let rms_n = numerics::rms(signals.force.as_ref()?.raw.iter().copied());
+        let added_n = (ADDED_PART * rms_n).max(LEAST_ADDED_N);
         let runs_of = |parameters, added_n| Runs::of(parameters, signals, [sample_s, seconds, added_n]);
         let [declared, after] = [runs_of(declared, 0.0)?, runs_of(better, 0.0)?];
         let pushed = runs_of(better, added_n)?;

@@ -52,8 +52,8 @@ pub fn candidate(data: &FitData<'_>, base: &Fitted, round: &Round, scope: &Scope
     };
     let candidates: Vec<usize> = (0..round.candidates.len()).filter(may_be_added).collect();
     let min_gain = data.options.search.min_gain();
-    let gains = candidates.iter().filter(|&&index| round.candidates[index].gain >= min_gain);
-    let alone = gains.clone().find_map(possible);
+    let alone =
+        candidates.iter().filter(|&&index| round.candidates[index].gain >= min_gain).find_map(possible);
     alone.or_else(|| possible(&of_best_pair(data, base, &Pairs { round, candidates: &candidates }, scope)?))
 }
 
