@@ -19,7 +19,7 @@ use crate::prediction::law_terms::LogVariables;
 use crate::prediction::table_motion::MeasuredMotor;
 use crate::prediction::{table_variable, tool, velocity_drive};
 use model::axis::Drive;
-use model::effects::{Channel, Stage};
+use model::effects::{Channel, Crosstalk, Stage};
 use model::residual_law::{ResidualLaw, Term};
 use model::residual_table::TableVariable;
 use model::servo;
@@ -296,8 +296,7 @@ impl FitData<'_> {
             Stage::Motor => 1e6 * of(&signals.motor, |motor| motor.noise),
             Stage::Table => libm::hypot(position(&signals.table), position(&signals.motor)),
             Stage::Tool => {
-                let table = if signals.table.is_some() { &signals.table } else { &signals.motor };
-                libm::hypot(position(&signals.tool), position(table))
+                libm::hypot(position(&signals.tool), 1e6 * self.noise_of_predicted_tool_m(model, log))
             }
             Stage::Force => {
                 let axis = &model.axis.settings;
@@ -309,6 +308,22 @@ impl FitData<'_> {
                 )
             }
         }
+    }
+
+    /// Standard deviation of the white noise that the tables pass on to a predicted tool, m: by their positions, and by their accelerations
+    /// where the tool depends on these. A mode of the tool is not considered.
+    fn noise_of_predicted_tool_m(&self, model: &AxisModel, log: usize) -> f64 {
+        let sample_s = self.logs[log].sample_s;
+        let tool = model.parameters().tool;
+        let own = self.signals(log).table_or_motor();
+        let own_m =
+            own.map_or(0.0, |table| table.noise_with_acceleration(tool.intalk.offset_m(1.0), sample_s));
+        let of_source = |crosstalk: &Crosstalk| {
+            let index = self.names.iter().position(|name| *name == crosstalk.source)?;
+            let table = self.logs[log].axes[index].table_or_motor()?;
+            Some(crosstalk.offset_m(1.0) * table.quiet_acceleration_noise(sample_s))
+        };
+        tool.crosstalk.iter().filter_map(of_source).fold(own_m, libm::hypot)
     }
 }
 

@@ -54,6 +54,12 @@ impl QuietAcceleration {
         quiet
     }
 
+    /// √Σw² of its weights, per sample².
+    #[must_use]
+    pub fn norm(&self, value_weights: &[f64]) -> f64 {
+        Filter::new(self.half_window, value_weights).norm()
+    }
+
     /// The acceleration of other values by the same filter; `narrow` is their acceleration by the filter of the value.
     #[must_use]
     pub fn of_other(&self, raw: &[f64], value_weights: &[f64], sample_s: f64, narrow: &[f64]) -> Self {
