@@ -183,7 +183,11 @@ pub fn of_the_tick_of_the_board(counter: &mut Counter) -> Option<()> {
 
 /// The tick of a machine on the board.
 fn ticked(machine: &mut Machine<Fixed, AXES>) -> impl FnMut(&Tick<Fixed>) -> Output<Fixed, AXES> {
-    move |tick| machine.tick(&tick.readings)
+    move |tick| {
+        let output = machine.tick(&tick.readings);
+        machine.prepare();
+        output
+    }
 }
 
 /// Recording of all channels: counts of 0.25 µm and 50 nm, and a memory for all ticks.

@@ -127,7 +127,7 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
 
     /// The corrections of the commands, once per command.
     pub fn commands(&mut self, commands: &[Position; N]) -> [Correction<S>; N] {
-        self.advance(commands, false);
+        self.advance(commands, false, 0);
         core::array::from_fn(|axis| self.command(axis))
     }
 
@@ -137,9 +137,9 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
     }
 
     /// Updates the motion of the commands, once per command, also without a compensation, so that one that is set during
-    /// motion starts from the motion of the axes. If this tick takes longer than others, round-robin terms wait, for up to
-    /// [`MAX_WAIT`] ticks.
-    pub fn advance(&mut self, commands: &[Position; N], is_long_tick: bool) {
+    /// motion starts from the motion of the axes. If this command takes longer than others, round-robin terms wait, for up to
+    /// [`MAX_WAIT`] commands. They are those of the time at which the commands are due, in a number of ticks.
+    pub fn advance(&mut self, commands: &[Position; N], is_long_tick: bool, due_in: u8) {
         for (motion, command) in self.inputs.motions.iter_mut().zip(commands) {
             motion.step(*command);
         }
@@ -151,8 +151,15 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         if let Some((axis, term)) = self.schedule.advance()
             && let (Some(compensation), Some(state)) = (self.axes.get(axis), self.states.get_mut(axis))
         {
+            self.inputs.clock = self.inputs.clock.wrapping_add(u64::from(due_in));
             compensation.evaluate(term, state, axis, &self.inputs);
+            self.inputs.clock = self.inputs.clock.wrapping_sub(u64::from(due_in));
         }
+    }
+
+    /// The present corrections of the commands, one axis after the other.
+    pub fn corrections(&self) -> impl Iterator<Item = Correction<S>> {
+        self.states.iter().map(State::correction)
     }
 
     /// The correction of the command of an axis, once after each [`Compensation::advance`].

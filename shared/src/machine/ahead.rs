@@ -34,44 +34,51 @@ use crate::units::Position;
 
 /// What is computed for the next position tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Ahead<const N: usize> {
+pub(super) enum Stage {
     /// Nothing: path and corrections are those of the position loops.
     Nothing,
-    /// The command. The loops follow these.
-    Command([Position; N]),
-    /// The command and its corrections. The loops follow these.
-    Corrections([Position; N]),
+    /// The command.
+    Command,
+    /// The command and its corrections.
+    Corrections,
+}
+
+/// What is computed for the next position tick, and what the loops follow until then.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ahead<const N: usize> {
+    stage: Stage,
+    /// The commands that the loops follow, unless nothing is computed.
+    followed: [Position; N],
 }
 
 impl<const N: usize> Ahead<N> {
-    /// The commands that the loops follow, if the path is already at the next ones.
-    #[inline]
-    pub const fn followed(&self) -> Option<&[Position; N]> {
-        match self {
-            Self::Nothing => None,
-            Self::Command(followed) | Self::Corrections(followed) => Some(followed),
-        }
+    /// Nothing is computed.
+    pub const NOTHING: Self = Self { stage: Stage::Nothing, followed: [Position(0); N] };
+
+    /// Discards what is computed.
+    pub const fn discard(&mut self) {
+        self.stage = Stage::Nothing;
     }
 
     /// The origins are shifted, at rest: the loops follow these commands, which are also the next ones.
     pub const fn shift_to(&mut self, commands: &[Position; N]) {
-        match self {
-            Self::Nothing => {}
-            Self::Command(followed) | Self::Corrections(followed) => *followed = *commands,
-        }
+        self.followed = *commands;
     }
 }
 
 impl<S: Scalar, const N: usize> State<S, N> {
     /// The commands that the position loops follow.
     #[inline]
-    pub fn commands(&self) -> [Position; N] {
-        self.ahead.followed().copied().unwrap_or_else(|| self.path.command())
+    pub const fn commands(&self) -> [Position; N] {
+        match self.ahead.stage {
+            Stage::Nothing => self.path.command(),
+            Stage::Command | Stage::Corrections => self.ahead.followed,
+        }
     }
 
     /// These commands with their corrections.
     pub fn corrected_commands(&self) -> [Position; N] {
-        if matches!(self.ahead, Ahead::Corrections(_)) {
+        if self.ahead.stage == Stage::Corrections {
             return self.axes.each_ref().map(AxisState::corrected_command);
         }
         let mut commands = self.commands();
@@ -84,7 +91,8 @@ impl<S: Scalar, const N: usize> State<S, N> {
     /// Whether every block has ended and the loops follow its end.
     #[inline]
     pub fn is_done(&self) -> bool {
-        self.path.is_done() && self.ahead.followed().is_none_or(|followed| *followed == self.path.command())
+        self.path.is_done()
+            && (self.ahead.stage == Stage::Nothing || self.ahead.followed == self.path.command())
     }
 
     /// Whether the path is done and does not stop.
@@ -95,15 +103,13 @@ impl<S: Scalar, const N: usize> State<S, N> {
     /// Computes what is missing for the loops of this tick, which follow the next commands from here on.
     #[inline]
     pub fn complete_commands(&mut self) {
-        match self.ahead {
-            Ahead::Nothing => {
-                self.advance_path();
-                self.correct_commands(0);
-            }
-            Ahead::Command(_) => self.correct_commands(0),
-            Ahead::Corrections(_) => {}
+        if self.ahead.stage == Stage::Nothing {
+            self.advance_path();
         }
-        self.ahead = Ahead::Nothing;
+        if self.ahead.stage != Stage::Corrections {
+            self.correct_commands(0);
+        }
+        self.ahead.stage = Stage::Nothing;
     }
 
     /// Advances the path by a command. A path that waits does so until the brakes are open.
@@ -114,6 +120,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
     }
 
     /// Computes the corrections of the commands of the path, which are due in a number of ticks, and the forces of their motion.
+    #[inline]
     fn correct_commands(&mut self, due_in: u8) {
         let is_at_segment_end = self.path.take_segment_end();
         self.compensation.advance(&self.path.command(), is_at_segment_end, due_in);
@@ -133,16 +140,13 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         if due_in > 2 || due_in >= self.rates.position_loop_divider || is_waiting {
             return;
         }
-        if state.ahead == Ahead::Nothing {
-            let followed = state.path.command();
+        if state.ahead.stage == Stage::Nothing {
+            state.ahead = Ahead { stage: Stage::Command, followed: state.path.command() };
             state.advance_path();
-            state.ahead = Ahead::Command(followed);
         }
-        if due_in == 1
-            && let Ahead::Command(followed) = state.ahead
-        {
+        if due_in == 1 && state.ahead.stage == Stage::Command {
             state.correct_commands(1);
-            state.ahead = Ahead::Corrections(followed);
+            state.ahead.stage = Stage::Corrections;
         }
     }
 }

@@ -1,8 +1,9 @@
 //! N axes on one path: what a board or a simulation runs every tick.
 //!
 //! [`MachineConfig`] holds the constants in machine units, the private `state` what changes from tick to tick and the
-//! tick itself; [`Machine`] owns both and is what a caller uses.
+//! tick itself, the private `ahead` what is computed before a position tick; [`Machine`] owns both and is what a caller uses.
 
+mod ahead;
 mod brakes;
 mod config;
 mod controller;

@@ -1,5 +1,6 @@
 //! The state of a machine, and the tick.
 
+use super::ahead::Ahead;
 use super::brakes::Brakes;
 use super::config::MachineConfig;
 use super::output::Output;
@@ -23,12 +24,14 @@ const DISPLACEMENT_LIMIT: u64 = 100_000 * PER_NM.unsigned_abs();
 #[derive(Clone, Debug)]
 pub(super) struct State<S: Scalar, const N: usize> {
     /// Ticks until the next position tick.
-    until_position_tick: u32,
+    pub until_position_tick: u32,
     pub power: Power,
     pub warning: Option<Fault>,
     pub enable_requested: bool,
     /// Whether the drives were on in the previous tick.
     pub was_on: bool,
+    /// What is already computed for the next position tick.
+    pub ahead: Ahead<N>,
     pub brakes: Brakes,
     /// Forces that are added behind the velocity controllers.
     pub excitation: [S; N],
@@ -48,6 +51,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
         warning: None,
         enable_requested: false,
         was_on: false,
+        ahead: Ahead::NOTHING,
         brakes: Brakes::CLOSED,
         excitation: [S::ZERO; N],
     };
@@ -62,6 +66,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
         self.power = Power::Off;
         self.warning = None;
         (self.enable_requested, self.was_on, self.brakes) = (false, false, Brakes::CLOSED);
+        self.ahead.discard();
         self.excitation = [S::ZERO; N];
     }
 
@@ -82,10 +87,10 @@ impl<S: Scalar, const N: usize> State<S, N> {
     pub fn output(&self, forces: [S; N]) -> Output<S, N> {
         Output {
             forces,
-            commands: self.path.command(),
+            commands: self.commands(),
             enabled: self.was_on,
             warning: self.warning,
-            done: self.path.is_done(),
+            done: self.is_done(),
         }
     }
 
@@ -106,6 +111,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
             *command += shift;
             *axis = axis.shifted(*command, shift, origin);
         }
+        self.ahead.shift_to(&commands);
         self.path.rest_at(&commands);
         self.compensation.shift(index, shift);
     }
@@ -169,7 +175,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     #[cold]
     #[inline(never)]
     fn tick_brakes(&self, state: &mut State<S, N>) {
-        let at_rest = state.path.is_done() && !state.path.is_braking();
+        let at_rest = state.is_at_rest();
         if let Some(times) = self.brake_times()
             && let Some(event) = state.brakes.tick(state.power, times, at_rest)
         {
@@ -269,7 +275,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     fn schedule(&mut self, state: &State<S, N>) {
         let axes = self.axes.iter_mut().zip(&self.schedules).zip(self.are_homed);
         for (((config, schedule), is_homed), (axis, command)) in
-            axes.zip(state.axes.iter().zip(state.path.command()))
+            axes.zip(state.axes.iter().zip(state.commands()))
         {
             let Some(schedule) = schedule else { continue };
             let Gains { proportional, integral } = match schedule.over {
@@ -281,21 +287,21 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         }
     }
 
-    /// The next command, its corrections, and the position loops.
+    /// The position loops, with the next commands and their corrections.
     fn position_tick(&mut self, state: &mut State<S, N>, readings: &[Reading; N]) {
         if self.is_scheduled {
             self.schedule(state);
         }
-        // A path that waits does so until the brakes are open.
-        let commands =
-            if matches!(state.power, Power::Enabling) { state.path.command() } else { state.path.advance() };
-        let is_at_segment_end = state.path.take_segment_end();
-        state.compensation.advance(&commands, is_at_segment_end);
+        state.complete_commands();
         let mut faults = [FaultSet::NONE; N];
-        for (i, ((((faults, axis), config), command), reading)) in
-            faults.iter_mut().zip(&mut state.axes).zip(&self.axes).zip(commands).zip(readings).enumerate()
+        for (((((faults, axis), config), command), reading), correction) in faults
+            .iter_mut()
+            .zip(&mut state.axes)
+            .zip(&self.axes)
+            .zip(state.path.command())
+            .zip(readings)
+            .zip(state.compensation.corrections())
         {
-            let correction = state.compensation.command(i);
             *faults = axis.position_tick(config, command, correction, *reading);
         }
         state.raise(self, faults);
@@ -345,6 +351,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     #[inline(never)]
     fn hold_axes(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
         let commands = self.holding_commands(state, readings);
+        state.ahead.discard();
         state.compensation.rest_at(&commands);
         state.path.rest_at(&commands);
     }
