@@ -128,7 +128,8 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
     /// The corrections of the commands, once per command.
     pub fn commands(&mut self, commands: &[Position; N]) -> [Correction<S>; N] {
         self.advance(commands, false, 0);
-        core::array::from_fn(|axis| self.command(axis))
+        self.correct_commands();
+        self.active_corrections()
     }
 
     /// The forces to add, once per tick.
@@ -162,13 +163,13 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         self.states.iter().map(State::correction)
     }
 
-    /// The correction of the command of an axis, once after each [`Compensation::advance`].
-    pub fn command(&mut self, axis: usize) -> Correction<S> {
-        match (self.is_set.get(axis), self.axes.get(axis), self.states.get_mut(axis)) {
-            (Some(true), Some(compensation), Some(state)) => {
-                compensation.command(state, axis, &self.inputs.motions)
+    /// Computes the corrections of the commands, once after each [`Compensation::advance`].
+    pub fn correct_commands(&mut self) {
+        let axes = self.axes.iter().zip(&mut self.states).zip(&self.is_set);
+        for (axis, ((compensation, state), is_set)) in axes.enumerate() {
+            if *is_set {
+                compensation.correct_command(state, axis, &self.inputs.motions);
             }
-            _ => Correction::NONE,
         }
     }
 

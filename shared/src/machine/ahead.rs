@@ -34,7 +34,7 @@ use crate::units::Position;
 
 /// What is computed for the next position tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stage {
+pub(super) enum Ahead {
     /// Nothing: path and corrections are those of the position loops.
     Nothing,
     /// The command.
@@ -43,45 +43,13 @@ pub(super) enum Stage {
     Corrections,
 }
 
-/// What is computed for the next position tick, and what the loops follow until then.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ahead<const N: usize> {
-    stage: Stage,
-    /// The commands that the loops follow, unless nothing is computed.
-    followed: [Position; N],
-}
-
-impl<const N: usize> Ahead<N> {
-    /// Nothing is computed.
-    pub const NOTHING: Self = Self { stage: Stage::Nothing, followed: [Position(0); N] };
-
-    /// Discards what is computed.
-    pub const fn discard(&mut self) {
-        self.stage = Stage::Nothing;
-    }
-
-    /// The origins are shifted, at rest: the loops follow these commands, which are also the next ones.
-    pub const fn shift_to(&mut self, commands: &[Position; N]) {
-        self.followed = *commands;
-    }
-}
-
 impl<S: Scalar, const N: usize> State<S, N> {
-    /// The commands that the position loops follow.
-    #[inline]
-    pub const fn commands(&self) -> [Position; N] {
-        match self.ahead.stage {
-            Stage::Nothing => self.path.command(),
-            Stage::Command | Stage::Corrections => self.ahead.followed,
-        }
-    }
-
-    /// These commands with their corrections.
+    /// The commands that the position loops follow, with their corrections.
     pub fn corrected_commands(&self) -> [Position; N] {
-        if self.ahead.stage == Stage::Corrections {
+        if self.ahead == Ahead::Corrections {
             return self.axes.each_ref().map(AxisState::corrected_command);
         }
-        let mut commands = self.commands();
+        let mut commands = self.commands;
         for (command, correction) in commands.iter_mut().zip(self.compensation.active_corrections()) {
             *command += correction.total.distance();
         }
@@ -91,8 +59,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
     /// Whether every block has ended and the loops follow its end.
     #[inline]
     pub fn is_done(&self) -> bool {
-        self.path.is_done()
-            && (self.ahead.stage == Stage::Nothing || self.ahead.followed == self.path.command())
+        self.path.is_done() && self.commands == self.path.command()
     }
 
     /// Whether the path is done and does not stop.
@@ -100,19 +67,28 @@ impl<S: Scalar, const N: usize> State<S, N> {
         self.is_done() && !self.path.is_braking()
     }
 
-    /// Computes what is missing for the loops of this tick, which follow the next commands from here on.
+    /// The path and the loops rest at commands.
+    pub fn rest_at(&mut self, commands: &[Position; N]) {
+        self.path.rest_at(commands);
+        (self.commands, self.ahead) = (*commands, Ahead::Nothing);
+    }
+
+    /// The loops follow the next commands from here on. What is missing of them is computed.
     #[inline]
-    pub fn complete_commands(&mut self) {
-        if self.ahead.stage == Stage::Nothing {
-            self.advance_path();
+    pub fn follow_next(&mut self) {
+        match self.ahead {
+            Ahead::Nothing => {
+                self.advance_path();
+                self.correct_commands(0);
+            }
+            Ahead::Command => self.correct_commands(0),
+            Ahead::Corrections => {}
         }
-        if self.ahead.stage != Stage::Corrections {
-            self.correct_commands(0);
-        }
-        self.ahead.stage = Stage::Nothing;
+        (self.commands, self.ahead) = (self.path.command(), Ahead::Nothing);
     }
 
     /// Advances the path by a command. A path that waits does so until the brakes are open.
+    #[inline]
     fn advance_path(&mut self) {
         if !matches!(self.power, Power::Enabling) {
             self.path.advance();
@@ -124,9 +100,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
     fn correct_commands(&mut self, due_in: u8) {
         let is_at_segment_end = self.path.take_segment_end();
         self.compensation.advance(&self.path.command(), is_at_segment_end, due_in);
-        for axis in 0..N {
-            self.compensation.command(axis);
-        }
+        self.compensation.correct_commands();
     }
 }
 
@@ -140,13 +114,13 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         if due_in > 2 || due_in >= self.rates.position_loop_divider || is_waiting {
             return;
         }
-        if state.ahead.stage == Stage::Nothing {
-            state.ahead = Ahead { stage: Stage::Command, followed: state.path.command() };
+        if state.ahead == Ahead::Nothing {
             state.advance_path();
+            state.ahead = Ahead::Command;
         }
-        if due_in == 1 && state.ahead.stage == Stage::Command {
+        if due_in == 1 && state.ahead == Ahead::Command {
             state.correct_commands(1);
-            state.ahead.stage = Stage::Corrections;
+            state.ahead = Ahead::Corrections;
         }
     }
 }

@@ -381,8 +381,8 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
 
     /// The present command, without corrections.
     #[must_use]
-    pub fn command(&self) -> [Position; N] {
-        self.state.commands()
+    pub const fn command(&self) -> [Position; N] {
+        self.state.commands
     }
 
     /// The present command with its corrections, which the position loops follow.

@@ -31,7 +31,9 @@ pub(super) struct State<S: Scalar, const N: usize> {
     /// Whether the drives were on in the previous tick.
     pub was_on: bool,
     /// What is already computed for the next position tick.
-    pub ahead: Ahead<N>,
+    pub ahead: Ahead,
+    /// The commands that the position loops follow, without corrections.
+    pub commands: [Position; N],
     pub brakes: Brakes,
     /// Forces that are added behind the velocity controllers.
     pub excitation: [S; N],
@@ -51,7 +53,8 @@ impl<S: Scalar, const N: usize> State<S, N> {
         warning: None,
         enable_requested: false,
         was_on: false,
-        ahead: Ahead::NOTHING,
+        ahead: Ahead::Nothing,
+        commands: [Position(0); N],
         brakes: Brakes::CLOSED,
         excitation: [S::ZERO; N],
     };
@@ -66,7 +69,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
         self.power = Power::Off;
         self.warning = None;
         (self.enable_requested, self.was_on, self.brakes) = (false, false, Brakes::CLOSED);
-        self.ahead.discard();
+        (self.ahead, self.commands) = (Ahead::Nothing, *start);
         self.excitation = [S::ZERO; N];
     }
 
@@ -87,7 +90,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
     pub fn output(&self, forces: [S; N]) -> Output<S, N> {
         Output {
             forces,
-            commands: self.commands(),
+            commands: self.commands,
             enabled: self.was_on,
             warning: self.warning,
             done: self.is_done(),
@@ -106,13 +109,13 @@ impl<S: Scalar, const N: usize> State<S, N> {
             return;
         };
         let shift = if axis_config.feedback.uses_scale() { origin.table } else { origin.motor };
-        let mut commands = self.path.command();
+        let mut commands = self.commands;
         if let Some(command) = commands.get_mut(index) {
             *command += shift;
             *axis = axis.shifted(*command, shift, origin);
         }
-        self.ahead.shift_to(&commands);
         self.path.rest_at(&commands);
+        self.commands = commands;
         self.compensation.shift(index, shift);
     }
 
@@ -227,7 +230,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         }
         let corrections = state.compensation.active_corrections();
         for (((axis, command), reading), correction) in
-            state.axes.iter_mut().zip(state.path.command()).zip(readings).zip(corrections)
+            state.axes.iter_mut().zip(state.commands).zip(readings).zip(corrections)
         {
             *axis = AxisState::at_rest(command, with_screw(*reading, correction))
                 .corrected(correction.total.distance());
@@ -249,7 +252,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     /// The first axis that is away from the start of the path.
     fn displaced(&self, state: &State<S, N>, readings: &[Reading; N]) -> Option<Fault> {
         let holding = self.holding_commands(state, readings);
-        let mut axes = (0..).zip(holding.into_iter().zip(state.path.command()));
+        let mut axes = (0..).zip(holding.into_iter().zip(state.commands));
         let axis =
             axes.find(|&(_, (holding, command))| (holding - command).unsigned_abs() > DISPLACEMENT_LIMIT);
         axis.map(|(axis, _)| Fault::Axis { axis, kind: FaultKind::Displaced })
@@ -275,7 +278,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     fn schedule(&mut self, state: &State<S, N>) {
         let axes = self.axes.iter_mut().zip(&self.schedules).zip(self.are_homed);
         for (((config, schedule), is_homed), (axis, command)) in
-            axes.zip(state.axes.iter().zip(state.commands()))
+            axes.zip(state.axes.iter().zip(state.commands))
         {
             let Some(schedule) = schedule else { continue };
             let Gains { proportional, integral } = match schedule.over {
@@ -292,13 +295,13 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         if self.is_scheduled {
             self.schedule(state);
         }
-        state.complete_commands();
+        state.follow_next();
         let mut faults = [FaultSet::NONE; N];
         for (((((faults, axis), config), command), reading), correction) in faults
             .iter_mut()
             .zip(&mut state.axes)
             .zip(&self.axes)
-            .zip(state.path.command())
+            .zip(state.commands)
             .zip(readings)
             .zip(state.compensation.corrections())
         {
@@ -322,7 +325,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         };
         state.power = state.power.after(event);
         if matches!(state.power, Power::On | Power::Disabling(_)) {
-            state.path.rest_at(&state.path.command());
+            state.path.rest_at(&state.commands);
         }
     }
 
@@ -351,8 +354,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     #[inline(never)]
     fn hold_axes(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
         let commands = self.holding_commands(state, readings);
-        state.ahead.discard();
         state.compensation.rest_at(&commands);
-        state.path.rest_at(&commands);
+        state.rest_at(&commands);
     }
 }
