@@ -125,9 +125,14 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         }
     }
 
+    /// Sets the time that drift and cold friction depend on forward, or back, by a number of ticks: for commands that are due later.
+    pub const fn turn_clock(&mut self, ticks: i8) {
+        self.inputs.clock = self.inputs.clock.wrapping_add_signed(ticks as i64);
+    }
+
     /// The corrections of the commands, once per command.
     pub fn commands(&mut self, commands: &[Position; N]) -> [Correction<S>; N] {
-        self.advance(commands, false, 0);
+        self.advance(commands, false);
         self.correct_commands();
         self.active_corrections()
     }
@@ -139,8 +144,8 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
 
     /// Updates the motion of the commands, once per command, also without a compensation, so that one that is set during
     /// motion starts from the motion of the axes. If this command takes longer than others, round-robin terms wait, for up to
-    /// [`MAX_WAIT`] commands. They are those of the time at which the commands are due, in a number of ticks.
-    pub fn advance(&mut self, commands: &[Position; N], is_long_tick: bool, due_in: u8) {
+    /// [`MAX_WAIT`] commands.
+    pub fn advance(&mut self, commands: &[Position; N], is_long_tick: bool) {
         for (motion, command) in self.inputs.motions.iter_mut().zip(commands) {
             motion.step(*command);
         }
@@ -152,9 +157,7 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         if let Some((axis, term)) = self.schedule.advance()
             && let (Some(compensation), Some(state)) = (self.axes.get(axis), self.states.get_mut(axis))
         {
-            self.inputs.clock = self.inputs.clock.wrapping_add(u64::from(due_in));
             compensation.evaluate(term, state, axis, &self.inputs);
-            self.inputs.clock = self.inputs.clock.wrapping_sub(u64::from(due_in));
         }
     }
 

@@ -76,15 +76,23 @@ impl<S: Scalar, const N: usize> State<S, N> {
     /// The loops follow the next commands from here on. What is missing of them is computed.
     #[inline]
     pub fn follow_next(&mut self) {
-        match self.ahead {
-            Ahead::Nothing => {
-                self.advance_path();
-                self.correct_commands(0);
-            }
-            Ahead::Command => self.correct_commands(0),
-            Ahead::Corrections => {}
+        if self.ahead == Ahead::Nothing {
+            self.advance_path();
+            self.correct_commands();
+        } else {
+            self.complete();
         }
-        (self.commands, self.ahead) = (self.path.command(), Ahead::Nothing);
+        self.commands = self.path.command();
+    }
+
+    /// Computes what is missing of the next commands.
+    // A function of its own: a tick without anything ahead then tests once.
+    #[inline(never)]
+    fn complete(&mut self) {
+        if self.ahead == Ahead::Command {
+            self.correct_commands();
+        }
+        self.ahead = Ahead::Nothing;
     }
 
     /// Advances the path by a command. A path that waits does so until the brakes are open.
@@ -95,11 +103,11 @@ impl<S: Scalar, const N: usize> State<S, N> {
         }
     }
 
-    /// Computes the corrections of the commands of the path, which are due in a number of ticks, and the forces of their motion.
+    /// Computes the corrections of the commands of the path and the forces of their motion.
     #[inline]
-    fn correct_commands(&mut self, due_in: u8) {
+    fn correct_commands(&mut self) {
         let is_at_segment_end = self.path.take_segment_end();
-        self.compensation.advance(&self.path.command(), is_at_segment_end, due_in);
+        self.compensation.advance(&self.path.command(), is_at_segment_end);
         self.compensation.correct_commands();
     }
 }
@@ -119,7 +127,10 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
             state.ahead = Ahead::Command;
         }
         if due_in == 1 && state.ahead == Ahead::Command {
-            state.correct_commands(1);
+            // At the time at which the commands are due.
+            state.compensation.turn_clock(1);
+            state.correct_commands();
+            state.compensation.turn_clock(-1);
             state.ahead = Ahead::Corrections;
         }
     }
