@@ -59,7 +59,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
     /// Whether every block has ended and the loops follow its end.
     #[inline]
     pub fn is_done(&self) -> bool {
-        self.path.is_done() && self.commands == self.path.command()
+        self.path.is_done() && (self.ahead == Ahead::Nothing || self.was_done)
     }
 
     /// Whether the path is done and does not stop.
@@ -123,6 +123,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
             return;
         }
         if state.ahead == Ahead::Nothing {
+            state.was_done = state.path.is_done();
             state.advance_path();
             state.ahead = Ahead::Command;
         }

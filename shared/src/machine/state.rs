@@ -32,6 +32,8 @@ pub(super) struct State<S: Scalar, const N: usize> {
     pub was_on: bool,
     /// What is already computed for the next position tick.
     pub ahead: Ahead,
+    /// Whether the path was done before it was advanced ahead.
+    pub was_done: bool,
     /// The commands that the position loops follow, without corrections.
     pub commands: [Position; N],
     pub brakes: Brakes,
@@ -54,6 +56,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
         enable_requested: false,
         was_on: false,
         ahead: Ahead::Nothing,
+        was_done: false,
         commands: [Position(0); N],
         brakes: Brakes::CLOSED,
         excitation: [S::ZERO; N],
