@@ -145,6 +145,8 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
     /// Updates the motion of the commands, once per command, also without a compensation, so that one that is set during
     /// motion starts from the motion of the axes. If this command takes longer than others, round-robin terms wait, for up to
     /// [`MAX_WAIT`] commands.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a call in every tick")]
     pub fn advance(&mut self, commands: &[Position; N], is_long_tick: bool) {
         for (motion, command) in self.inputs.motions.iter_mut().zip(commands) {
             motion.step(*command);
