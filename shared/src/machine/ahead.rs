@@ -22,57 +22,15 @@
 //! | other gains of an axis, force limit, excitation | in the next tick, as ever |
 //! | origin set | the computed command is shifted with the present one; the axes are at rest |
 //!
-//! The present command ([`State::commands`]) is that of the loops until the position tick, and a path is done when the loops follow its
+//! The present command (`State::commands`) is that of the loops until the position tick, and a path is done when the loops follow its
 //! last command.
 
 use super::config::MachineConfig;
-use super::state::State;
-use crate::axis::AxisState;
+use super::state::{Ahead, State};
 use crate::safety::Power;
 use crate::scalar::Scalar;
-use crate::units::Position;
-
-/// What is computed for the next position tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Ahead {
-    /// Nothing: path and corrections are those of the position loops.
-    Nothing,
-    /// The command.
-    Command,
-    /// The command and its corrections.
-    Corrections,
-}
 
 impl<S: Scalar, const N: usize> State<S, N> {
-    /// The commands that the position loops follow, with their corrections.
-    pub fn corrected_commands(&self) -> [Position; N] {
-        if self.ahead == Ahead::Corrections {
-            return self.axes.each_ref().map(AxisState::corrected_command);
-        }
-        let mut commands = self.commands;
-        for (command, correction) in commands.iter_mut().zip(self.compensation.active_corrections()) {
-            *command += correction.total.distance();
-        }
-        commands
-    }
-
-    /// Whether every block has ended and the loops follow its end.
-    #[inline]
-    pub fn is_done(&self) -> bool {
-        self.path.is_done() && (self.ahead == Ahead::Nothing || self.was_done)
-    }
-
-    /// Whether the path is done and does not stop.
-    pub fn is_at_rest(&self) -> bool {
-        self.is_done() && !self.path.is_braking()
-    }
-
-    /// The path and the loops rest at commands.
-    pub fn rest_at(&mut self, commands: &[Position; N]) {
-        self.path.rest_at(commands);
-        (self.commands, self.ahead) = (*commands, Ahead::Nothing);
-    }
-
     /// The loops follow the next commands from here on. What is missing of them is computed.
     #[inline]
     pub fn follow_next(&mut self) {
