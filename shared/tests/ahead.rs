@@ -61,8 +61,8 @@ fn compensation(axis: usize) -> CompensationSettings {
 }
 
 /// A machine that is about to come on and to move: a line, an arc with reversals of both axes, a pause, and a line.
-fn machine<S: Scalar>(divider: u32, settings: AxisSettings) -> Machine<S, 2> {
-    let mut machine = Machine::new(rates(divider), &[settings; 2], [Position(0); 2]).unwrap();
+fn machine<S: Scalar>(divider: u32, settings: &AxisSettings) -> Machine<S, 2> {
+    let mut machine = Machine::new(rates(divider), &[*settings; 2], [Position(0); 2]).unwrap();
     for axis in 0..2 {
         machine.compensate(axis, &compensation(axis)).unwrap();
     }
@@ -103,7 +103,7 @@ fn seen<S: Scalar>(machine: &Machine<S, 2>, output: Output<S, 2>) -> Seen<S> {
 }
 
 /// Compares two machines with the same program, of which the second computes ahead, in every tick.
-fn undisturbed<S: Scalar>(divider: u32, settings: AxisSettings) {
+fn undisturbed<S: Scalar>(divider: u32, settings: &AxisSettings) {
     let [mut at_once, mut ahead] = [(); 2].map(|()| machine::<S>(divider, settings));
     let mut readings = AT_ZERO;
     let (mut commands, mut corrected) = (Vec::new(), 0);
@@ -135,10 +135,10 @@ fn undisturbed<S: Scalar>(divider: u32, settings: AxisSettings) {
 #[test]
 fn an_undisturbed_motion_is_the_same_to_the_last_bit() {
     for divider in [1, 2, 3, 5, 8] {
-        undisturbed::<Fixed>(divider, settings());
+        undisturbed::<Fixed>(divider, &settings());
     }
-    undisturbed::<f32>(DIVIDER, settings());
-    undisturbed::<f64>(DIVIDER, settings());
+    undisturbed::<f32>(DIVIDER, &settings());
+    undisturbed::<f64>(DIVIDER, &settings());
 }
 
 /// The path waits until the brakes are open, and moves in the same tick then.
@@ -148,7 +148,7 @@ fn a_path_that_waits_for_the_brakes_starts_in_the_same_tick() {
         let brake = Brake { release_s: f64::from(release) / 20_000.0, engage_s: 0.001 };
         undisturbed::<Fixed>(
             DIVIDER,
-            AxisSettings { brake: Some(brake), preload_n: Some(0.0), ..settings() },
+            &AxisSettings { brake: Some(brake), preload_n: Some(0.0), ..settings() },
         );
     }
 }
@@ -156,7 +156,7 @@ fn a_path_that_waits_for_the_brakes_starts_in_the_same_tick() {
 /// The commands are those of a machine whose only rate is that of the position loops.
 #[test]
 fn the_commands_are_those_of_a_machine_with_position_ticks_only() {
-    let mut by_five = machine::<Fixed>(DIVIDER, settings());
+    let mut by_five = machine::<Fixed>(DIVIDER, &settings());
     let slow = Rates { velocity_loop_hz: 4000.0, position_loop_divider: 1 };
     let mut slow = Machine::<Fixed, 2>::new(slow, &[settings(); 2], [Position(0); 2]).unwrap();
     let block = Block::line([0.01, 0.002], 0.05, 2.0).with_ramps(Ramps::SCurve { jerk_m_per_s3: 400.0 });
@@ -202,7 +202,7 @@ enum When {
 
 /// Commands, corrected commands and forces of the program with an event. The readings are those of the undisturbed program.
 fn disturbed(event: Event, when: When, is_ahead: bool) -> Vec<([Position; 2], [Position; 2], [Fixed; 2])> {
-    let [mut machine, mut undisturbed] = [(); 2].map(|()| machine::<Fixed>(DIVIDER, settings()));
+    let [mut machine, mut undisturbed] = [(); 2].map(|()| machine::<Fixed>(DIVIDER, &settings()));
     let mut readings = AT_ZERO;
     let ticks = 0..MOVING + 2000;
     ticks
@@ -265,7 +265,7 @@ fn the_drives_go_off_at_once_and_what_is_ahead_is_discarded() {
     ];
     for (name, event) in off {
         for k in 1..=5 {
-            let mut machine = machine::<Fixed>(DIVIDER, settings());
+            let mut machine = machine::<Fixed>(DIVIDER, &settings());
             let mut readings = AT_ZERO;
             for _ in 0..MOVING + k {
                 let output = machine.tick(&readings);
