@@ -90,6 +90,11 @@ impl<S: Scalar> AxisState<S> {
         self.velocity_command.value() * VELOCITY_M_PER_S
     }
 
+    /// The command that the position loop follows, with its correction.
+    pub(crate) const fn corrected_command(&self) -> Position {
+        self.feedforward.command()
+    }
+
     /// The magnitude of the last change of the corrected command, as [`gain_schedule::speed`] gives it.
     pub(crate) fn command_speed(&self) -> i64 {
         gain_schedule::speed(self.feedforward.increment())

@@ -63,8 +63,8 @@ const GOOD: Supply = Supply { bus_mv: Some(48_000), temperature_mc: Some(30_000)
 type System = DriveSystem<'static, Fixed, 2>;
 
 /// A system whose drives are off, and its board.
-fn off() -> (System, TestBoard) {
-    let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
+fn off(position_loop_divider: u32) -> (System, TestBoard) {
+    let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider };
     let machine = Machine::new(rates, &[AxisSettings::default(); 2], [Position(0); 2]).unwrap();
     let amplifiers = [Amplifier::new(1000.0, 8400).unwrap(); 2];
     let (switch, light) = (EnableSwitch::new(2), StatusLight::new(50));
@@ -97,7 +97,12 @@ fn enable(system: &mut System, board: &mut TestBoard) {
 
 /// A system that moves both axes in the positive direction at 40 mm/s.
 fn moving() -> (System, TestBoard) {
-    let (mut system, mut board) = off();
+    moving_with(1)
+}
+
+/// The same with a number of ticks per position tick.
+fn moving_with(position_loop_divider: u32) -> (System, TestBoard) {
+    let (mut system, mut board) = off(position_loop_divider);
     system.machine_mut().push(&Block::line([0.4, 0.3], 0.05, 1.0)).unwrap();
     enable(&mut system, &mut board);
     run(&mut system, &mut board, 2000);
@@ -137,6 +142,36 @@ const ROWS: [Row; 11] = [
     (|board| board.inputs.axes[1].limits = [true, true], on_y(FaultKind::LimitSwitch), true),
 ];
 
+/// The first tick with another command, counted from a position tick, if the temperature is too high from a tick on.
+fn first_other_command(hot_in: usize) -> Option<usize> {
+    let [mut hot, mut good] = [(); 2].map(|()| {
+        let (mut system, mut board) = moving_with(5);
+        while !system.machine().was_position_tick() {
+            run(&mut system, &mut board, 1);
+        }
+        (system, board)
+    });
+    let mut ticks = 1..100;
+    ticks.find(|tick| {
+        if *tick == hot_in {
+            hot.1.inputs.supply.temperature_mc = Some(80_001);
+        }
+        let [hot, good] = [&mut hot, &mut good].map(|(system, board)| {
+            run(system, board, 1);
+            system.machine().command()
+        });
+        hot != good
+    })
+}
+
+/// Inputs are read before the path is advanced ahead, two ticks before the position tick: only a stop in the last tick before it is one
+/// command late, and one in the position tick acts with the next one, as it does without anything ahead.
+#[test]
+fn a_stop_by_an_input_is_late_in_the_last_tick_before_a_position_tick_only() {
+    let first = [1, 2, 3, 4, 5, 6].map(|tick| first_other_command(tick).unwrap());
+    assert_eq!(first, [5, 5, 5, 10, 10, 10]);
+}
+
 /// While the machine moves: off in the same tick, or a stop that has ended within 50 ms (40 mm/s at 1 m/s²) and then off. A limit switch acts in
 /// the tick behind the one in which it appears, neither before nor later.
 #[test]
@@ -163,7 +198,7 @@ fn each_input_acts_in_its_tick() {
 #[test]
 fn no_drive_comes_on_while_the_cause_is_present() {
     for (row, (apply, fault, _)) in ROWS.into_iter().enumerate() {
-        let (mut system, mut board) = off();
+        let (mut system, mut board) = off(1);
         apply(&mut board);
         let mut enabled = false;
         for closed in [false, true, false, true] {
@@ -183,7 +218,7 @@ fn no_drive_comes_on_while_the_cause_is_present() {
 /// Blocks further onto a switch are refused before they start, on the axis and in the direction of the switch alone.
 #[test]
 fn a_block_onto_an_active_switch_is_refused_before_it_starts() {
-    let (mut system, mut board) = off();
+    let (mut system, mut board) = off(1);
     enable(&mut system, &mut board);
     board.inputs.axes[0].limits = [false, true];
     run(&mut system, &mut board, 2);
@@ -244,7 +279,7 @@ fn a_thermistor_at_its_limit_is_no_fault_and_tells_the_temperature() {
 /// Limits of the supply are those of the board: without limits no voltage is a fault.
 #[test]
 fn a_board_without_limits_of_the_supply_accepts_any() {
-    let (system, mut board) = off();
+    let (system, mut board) = off(1);
     let mut system = system.with_supply_limits(SupplyLimits::NONE);
     enable(&mut system, &mut board);
     board.inputs.supply = Supply { bus_mv: Some(0), temperature_mc: Some(i32::MAX) };

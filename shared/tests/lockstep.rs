@@ -96,7 +96,7 @@ fn disable_acknowledges_a_fault() {
     }
 }
 
-/// Orders through a session and directly to a machine: forces, commands and state of each tick are identical, bit
+/// Orders through a session and directly to a machine, which computes ahead as a board does: forces, commands and state of each tick are identical, bit
 /// for bit.
 fn matches_the_machine<S: Scalar>(format: Format) {
     let mut host = Host::new(format);
@@ -140,6 +140,7 @@ fn matches_the_machine<S: Scalar>(format: Format) {
         let readings = at.map(|motor| Reading { motor, table: None });
         let Answer::Tick(result) = host.answer_to(&Order::Tick(readings)) else { panic!() };
         let output = machine.tick(&readings);
+        machine.prepare();
         assert_eq!(result.force_bits, output.forces.map(Scalar::bits), "{format:?}, tick {tick}");
         assert_eq!((result.commands, result.done), (output.commands, output.done));
         assert_eq!((result.power, result.warning), (machine.power(), output.warning));

@@ -1,6 +1,7 @@
 //! Interaction of the parts of the controller: see `docs/testing.md`. The equations of a control law are tested in its own file.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod ahead;
 mod amplifier;
 mod compensation;
 mod control;

@@ -4,7 +4,7 @@
 
 use cortex_m_rt::entry;
 use firmware::cost::count::Counter;
-use firmware::cost::parts::{of_the_path, of_the_tick};
+use firmware::cost::parts::{of_the_path, of_the_tick, of_the_tick_of_the_board};
 use firmware::emulated::InstructionMeter;
 use firmware::emulator::end;
 use shared::scalar::Fixed;
@@ -20,6 +20,7 @@ fn run() -> Option<()> {
     let mut counter = Counter::new(meter);
     counter.print_header();
     of_the_path(&mut counter)?;
+    of_the_tick_of_the_board(&mut counter)?;
     of_the_tick::<Fixed>(&mut counter)?;
     of_the_tick::<f32>(&mut counter)?;
     of_the_tick::<f64>(&mut counter)

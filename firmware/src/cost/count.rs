@@ -33,9 +33,29 @@ impl Counter {
 
     /// Counts a part over its inputs and prints its row.
     pub fn part<T, R>(&mut self, name: &str, format: &str, inputs: &[T], part: impl FnMut(&T) -> R) {
-        let Count { median, worst } = self.count(inputs, part);
-        let percent = (worst * 100).checked_div(median).unwrap_or(0);
-        hprintln!("{name:<26} {format:<6} {median:>7} {worst:>7} {:>5}.{:02}", percent / 100, percent % 100);
+        self.count(inputs, part).print(name, format);
+    }
+
+    /// Counts a part over the last of each `stride` inputs, and prints its row. The part gets the others, too.
+    pub fn last_of_each<T, R>(
+        &mut self,
+        (name, format): (&str, &str),
+        (inputs, stride): (&[T], usize),
+        mut part: impl FnMut(&T) -> R,
+    ) {
+        let mut counted = 0;
+        for (count, inputs) in self.counts.iter_mut().zip(inputs.chunks_exact(stride)) {
+            let Some((last, others)) = inputs.split_last() else { return };
+            for input in others {
+                black_box(part(black_box(input)));
+            }
+            self.meter.start();
+            let result = part(black_box(last));
+            black_box(&result);
+            *count = self.meter.stop().saturating_sub(self.overhead);
+            counted += 1;
+        }
+        self.counted(counted).print(name, format);
     }
 
     /// `black_box` keeps the compiler from knowing an input, dropping a result or moving work across the measurement. It also
@@ -49,7 +69,11 @@ impl Counter {
             black_box(&result);
             *count = self.meter.stop().saturating_sub(self.overhead);
         }
-        let counted = inputs.len().min(TICKS);
+        self.counted(inputs.len().min(TICKS))
+    }
+
+    /// Of the first counts.
+    fn counted(&mut self, counted: usize) -> Count {
         let counts = self.counts.get_mut(..counted).unwrap_or_default();
         counts.sort_unstable();
         let at = |i: usize| counts.get(i).copied().unwrap_or(0);
@@ -62,4 +86,13 @@ impl Counter {
 struct Count {
     median: u32,
     worst: u32,
+}
+
+impl Count {
+    /// Prints a row.
+    fn print(self, name: &str, format: &str) {
+        let Self { median, worst } = self;
+        let percent = (worst * 100).checked_div(median).unwrap_or(0);
+        hprintln!("{name:<26} {format:<6} {median:>7} {worst:>7} {:>5}.{:02}", percent / 100, percent % 100);
+    }
 }

@@ -18,7 +18,7 @@ pub const AXES: usize = 2;
 /// Ticks of the motion, 0.4 s: the blocks take 0.36 s of it.
 pub const TICKS: usize = 8000;
 
-/// Rates: every tick is a position tick.
+/// Rates of most rows: every tick is a position tick.
 pub const RATES: Rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
 
 /// Start of the motion.
@@ -237,22 +237,23 @@ fn quantised(m: f64) -> Position {
 
 /// A machine with the program queued and the enable requested. `None` if it rejects a setting or a block.
 #[must_use]
-pub fn machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
-    compensated(&full_axis(), all_compensations, program)
+pub fn machine<S: Scalar>(rates: Rates, program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
+    compensated(rates, &full_axis(), all_compensations, program)
 }
 
 /// A machine as [`machine`], with what there was when the aim of 1600 instructions was set.
 #[must_use]
-pub fn nine_machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
-    compensated(&AxisSettings { feedforward_ahead_s: 0.0, ..full_axis() }, nine_compensations, program)
+pub fn nine_machine<S: Scalar>(rates: Rates, program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
+    compensated(rates, &AxisSettings { feedforward_ahead_s: 0.0, ..full_axis() }, nine_compensations, program)
 }
 
 fn compensated<S: Scalar>(
+    rates: Rates,
     axis: &AxisSettings,
     compensations: fn(usize) -> CompensationSettings,
     program: &[Block<AXES>],
 ) -> Option<Machine<S, AXES>> {
-    let mut machine = Machine::new(RATES, &[*axis; AXES], START).ok()?;
+    let mut machine = Machine::new(rates, &[*axis; AXES], START).ok()?;
     for axis in 0..AXES {
         machine.compensate(axis, &compensations(axis)).ok()?;
     }
@@ -286,8 +287,8 @@ pub struct Tick<S> {
 
 /// Runs the program in closed loop. `None` if the machine rejects it or does not complete it.
 #[must_use]
-pub fn record<S: Scalar>(ticks: &mut [Tick<S>; TICKS]) -> Option<()> {
-    let mut machine = machine::<S>(&PROGRAM)?;
+pub fn record<S: Scalar>(rates: Rates, ticks: &mut [Tick<S>; TICKS]) -> Option<()> {
+    let mut machine = machine::<S>(rates, &PROGRAM)?;
     let mut axes = [Axis::default(); AXES];
     let mut forces = [S::default(); AXES];
     for tick in &mut *ticks {

@@ -12,10 +12,12 @@ use shared::feedback::dual;
 use shared::feedback::phase::Phase;
 use shared::interpolate::sincos::sin_cos;
 use shared::interpolate::{Block, Path, Smoothing};
-use shared::scalar::Scalar;
+use shared::machine::{Machine, Output};
+use shared::scalar::{Fixed, Scalar};
 
 use super::count::Counter;
 use super::motion::{self, AXES, PROGRAM, RATES, START, TICKS, Tick, arc, full_axis, line};
+use crate::setup;
 
 /// The parts in integer arithmetic, independent of the number format: path and phase. `None` if a block is rejected.
 #[inline(never)]
@@ -93,7 +95,7 @@ fn path(
 #[inline(never)]
 pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
     let mut ticks: [Tick<S>; TICKS] = from_fn(|_| Tick::empty());
-    motion::record(&mut ticks)?;
+    motion::record(RATES, &mut ticks)?;
     let (first, others) = ticks.split_first()?;
     let config = |law| AxisConfig::<S>::new(&AxisSettings { law, ..full_axis() }, RATES).ok();
     let (p, all) = &black_box((config(Law::P)?, config(Law::Hpc)?));
@@ -120,9 +122,12 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
     part.of("position loop of an axis", others, AxisState::at_rest(command, reading), |state, tick| {
         state.position_tick(all, tick.output.commands[0], Correction::NONE, tick.readings[0])
     });
-    part.of("tick, drives coming on", &ticks[..1], motion::machine::<S>(&PROGRAM)?, |machine, tick| {
-        machine.tick(&tick.readings)
-    });
+    part.of(
+        "tick, drives coming on",
+        &ticks[..1],
+        motion::machine::<S>(RATES, &PROGRAM)?,
+        |machine, tick| machine.tick(&tick.readings),
+    );
     let compensation = compensation::<S>()?;
     part.of("compensation of two axes", others, compensation, |all, tick| {
         let readings = all.readings(&tick.readings);
@@ -142,13 +147,47 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
     let mut plain = motion::plain_machine::<S>(&PROGRAM)?;
     plain.tick(&first.readings);
     part.of("tick of two axes, path and loops", others, plain, |machine, tick| machine.tick(&tick.readings));
-    let mut nine = motion::nine_machine::<S>(&PROGRAM)?;
+    let mut nine = motion::nine_machine::<S>(RATES, &PROGRAM)?;
     nine.tick(&first.readings);
     part.of("tick, nine compensations", others, nine, |machine, tick| machine.tick(&tick.readings));
-    let mut moving = motion::machine::<S>(&PROGRAM)?;
+    let mut moving = motion::machine::<S>(RATES, &PROGRAM)?;
     moving.tick(&first.readings);
     part.of("tick of two axes, all on", others, moving, |machine, tick| machine.tick(&tick.readings));
     Some(())
+}
+
+/// The tick with the rates of the board, in fixed point: of all ticks, and of those with position loops.
+#[inline(never)]
+pub fn of_the_tick_of_the_board(counter: &mut Counter) -> Option<()> {
+    let mut ticks: [Tick<Fixed>; TICKS] = from_fn(|_| Tick::empty());
+    motion::record(setup::RATES, &mut ticks)?;
+    let (first, others) = ticks.split_first()?;
+    let format = Fixed::NAME;
+    let stride = setup::RATES.position_loop_divider as usize;
+    let started = |mut machine: Machine<Fixed, AXES>| {
+        machine.tick(&first.readings);
+        machine
+    };
+    let nine = started(motion::nine_machine(setup::RATES, &PROGRAM)?);
+    let all = started(motion::machine(setup::RATES, &PROGRAM)?);
+    for (names, machine) in [
+        (["board, nine compensations", "board, nine, position tick"], nine),
+        (["board, all on", "board, all, position tick"], all),
+    ] {
+        let [every, position] = names;
+        counter.part(every, format, others, ticked(&mut black_box(machine.clone())));
+        counter.last_of_each((position, format), (others, stride), ticked(&mut black_box(machine)));
+    }
+    Some(())
+}
+
+/// The tick of a machine on the board.
+fn ticked(machine: &mut Machine<Fixed, AXES>) -> impl FnMut(&Tick<Fixed>) -> Output<Fixed, AXES> {
+    move |tick| {
+        let output = machine.tick(&tick.readings);
+        machine.prepare();
+        output
+    }
 }
 
 /// Recording of all channels: counts of 0.25 µm and 50 nm, and a memory for all ticks.

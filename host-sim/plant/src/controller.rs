@@ -101,6 +101,8 @@ impl<S: Scalar, const N: usize> Controller for Machine<S, N> {
         let readings: &[Reading; N] =
             readings.try_into().map_err(|_| ControllerError::Axes(readings.len()))?;
         let output = Machine::tick(self, readings);
+        // As a board does.
+        self.prepare();
         for ((out, force), command) in outputs.iter_mut().zip(output.forces).zip(output.commands) {
             *out = AxisOutput { force_n: force.value(), force_bits: force.bits(), command };
         }

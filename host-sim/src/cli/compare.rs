@@ -122,7 +122,7 @@ fn cost(comparison: &Comparison) -> String {
         )
     };
     format!(
-        "Instructions of a tick with path and position loops, by motion: {}, {}, {}.",
+        "Instructions of a tick with position loops, by motion: {}, {}, {}.",
         of(Format::Fixed, "fixed point"),
         of(Format::F32, "f32"),
         of(Format::F64, "f64")

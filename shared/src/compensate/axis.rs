@@ -13,7 +13,7 @@ use super::products::Products;
 use super::reversal::Reversal;
 use super::round_robin::{Inputs, RoundRobinList};
 use super::slew::Slew;
-use super::state::{Correction, RoundRobinTerms, State};
+use super::state::{RoundRobinTerms, State};
 use super::table::Table;
 use super::talk::Talk;
 use crate::scalar::{Fixed, Scalar};
@@ -137,15 +137,15 @@ impl<S: Scalar> AxisCompensation<S> {
         }
     }
 
-    /// The correction of the command, once per command.
+    /// Computes the correction of the command, once per command.
     #[inline(never)]
-    pub(super) fn command<const N: usize>(
+    pub(super) fn correct_command<const N: usize>(
         &self,
         state: &mut State<S>,
         axis: usize,
         motions: &[CommandMotion<S>; N],
-    ) -> Correction<S> {
-        let Some(own) = motions.get(axis) else { return Correction::NONE };
+    ) {
+        let Some(own) = motions.get(axis) else { return };
         let acceleration_of =
             |axis: u8| motions.get(usize::from(axis)).map_or(S::ZERO, |motion| motion.acceleration);
         self.forces_of_motion(state, own);
@@ -167,7 +167,6 @@ impl<S: Scalar> AxisCompensation<S> {
         }
         self.command.step(&mut state.screw, screw);
         self.command.step(&mut state.command, screw + tool);
-        state.correction()
     }
 
     /// The correction for errors between motor and scale, error units, before bound and rate.

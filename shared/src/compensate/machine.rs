@@ -125,10 +125,16 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         }
     }
 
+    /// Sets the time that drift and cold friction depend on forward, or back, by a number of ticks: for commands that are due later.
+    pub const fn turn_clock(&mut self, ticks: i8) {
+        self.inputs.clock = self.inputs.clock.wrapping_add_signed(ticks as i64);
+    }
+
     /// The corrections of the commands, once per command.
     pub fn commands(&mut self, commands: &[Position; N]) -> [Correction<S>; N] {
         self.advance(commands, false);
-        core::array::from_fn(|axis| self.command(axis))
+        self.correct_commands();
+        self.active_corrections()
     }
 
     /// The forces to add, once per tick.
@@ -137,8 +143,10 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
     }
 
     /// Updates the motion of the commands, once per command, also without a compensation, so that one that is set during
-    /// motion starts from the motion of the axes. If this tick takes longer than others, round-robin terms wait, for up to
-    /// [`MAX_WAIT`] ticks.
+    /// motion starts from the motion of the axes. If this command takes longer than others, round-robin terms wait, for up to
+    /// [`MAX_WAIT`] commands.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a call in every tick")]
     pub fn advance(&mut self, commands: &[Position; N], is_long_tick: bool) {
         for (motion, command) in self.inputs.motions.iter_mut().zip(commands) {
             motion.step(*command);
@@ -155,13 +163,18 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         }
     }
 
-    /// The correction of the command of an axis, once after each [`Compensation::advance`].
-    pub fn command(&mut self, axis: usize) -> Correction<S> {
-        match (self.is_set.get(axis), self.axes.get(axis), self.states.get_mut(axis)) {
-            (Some(true), Some(compensation), Some(state)) => {
-                compensation.command(state, axis, &self.inputs.motions)
+    /// The present corrections of the commands, one axis after the other.
+    pub fn corrections(&self) -> impl Iterator<Item = Correction<S>> {
+        self.states.iter().map(State::correction)
+    }
+
+    /// Computes the corrections of the commands, once after each [`Compensation::advance`].
+    pub fn correct_commands(&mut self) {
+        let axes = self.axes.iter().zip(&mut self.states).zip(&self.is_set);
+        for (axis, ((compensation, state), is_set)) in axes.enumerate() {
+            if *is_set {
+                compensation.correct_command(state, axis, &self.inputs.motions);
             }
-            _ => Correction::NONE,
         }
     }
 

@@ -55,6 +55,12 @@ impl<S: Scalar> State<S> {
         Self { last: Position(self.last.0.wrapping_add(correction)), ..self }
     }
 
+    /// The last command.
+    #[must_use]
+    pub const fn command(&self) -> Position {
+        self.last
+    }
+
     /// The last change of the command, increment units.
     #[must_use]
     pub const fn increment(&self) -> S {

@@ -253,6 +253,8 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
             self.machine.fault(Fault::Overrun);
         }
         self.drive(board, &output.forces);
+        // The stages have their force, and a stop by an input of this tick acts on the command that is computed here.
+        self.machine.prepare();
         if self.stages_enabled {
             self.tick_watch.ended(board.next_tick_due());
             if self.tick_watch.is_exceeded() {

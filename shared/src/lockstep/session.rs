@@ -191,9 +191,11 @@ fn answer(result: Result<(), MachineError>) -> Answer {
     Answer::Rejected(refusal)
 }
 
-/// The tick as a function that is never inlined: it is what the meter measures, and where the test that looks for panics in
+/// The tick with what it computes ahead, as a function that is never inlined: it is what the meter measures, and where the test that looks for panics in
 /// the program of the chip starts.
 #[inline(never)]
 fn tick<S: Scalar>(machine: &mut Machine<S, AXES>, readings: &[Reading; AXES]) -> Output<S, AXES> {
-    machine.tick(readings)
+    let output = machine.tick(readings);
+    machine.prepare();
+    output
 }

@@ -173,7 +173,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     /// [`MachineError::PathRunning`] unless the path is done, [`MachineError::NoSuchAxis`]. Nothing is changed then.
     pub fn set_origin(&mut self, axis: usize, shift: OriginShift) -> Result<(), MachineError> {
         let config = self.config.as_ref().filter(|_| axis < N).ok_or(MachineError::NoSuchAxis)?;
-        if !self.state.path.is_done() {
+        if !self.state.is_done() {
             return Err(MachineError::PathRunning);
         }
         self.state.shift_origin(config, axis, shift);
@@ -288,7 +288,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     /// Whether every block has ended and the command is at rest.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
-        self.state.path.is_done() && !self.state.path.is_braking()
+        self.state.is_at_rest()
     }
 
     /// Whether the last tick ran the position loops.
@@ -382,17 +382,13 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     /// The present command, without corrections.
     #[must_use]
     pub const fn command(&self) -> [Position; N] {
-        self.state.path.command()
+        self.state.commands
     }
 
     /// The present command with its corrections, which the position loops follow.
     #[must_use]
     pub fn corrected_command(&self) -> [Position; N] {
-        let mut commands = self.state.path.command();
-        for (command, correction) in commands.iter_mut().zip(self.state.compensation.active_corrections()) {
-            *command += correction.total.distance();
-        }
-        commands
+        self.state.corrected_commands()
     }
 
     /// One tick: the velocity loops, and path and position loops when they are due.
@@ -404,6 +400,18 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         match &mut self.config {
             Some(config) => config.tick(&mut self.state, readings),
             None => self.state.output([S::ZERO; N]),
+        }
+    }
+
+    /// Computes what depends on commands only for the next position tick, after a tick and when its forces have been passed on: no tick
+    /// then has all of it. A board does so in every tick.
+    ///
+    /// Commands, corrections and forces are the same without it, to the last bit, but what stops or changes the path within the last two
+    /// ticks before a position tick acts from the next one on (within the last tick with two ticks per position tick). With one tick
+    /// per position tick it does nothing.
+    pub fn prepare(&mut self) {
+        if let Some(config) = &self.config {
+            config.prepare(&mut self.state);
         }
     }
 }

@@ -1,21 +1,26 @@
-//! The state of a machine, and the tick.
+//! The state of a machine.
 
 use super::brakes::Brakes;
 use super::config::MachineConfig;
 use super::output::Output;
 use crate::axis::AxisState;
-use crate::compensate::{Compensation, Correction};
-use crate::config::{AxisConfig, ScheduledOver};
-use crate::control::gain_schedule::Gains;
+use crate::compensate::Compensation;
 use crate::feedback::{OriginShift, Reading};
 use crate::interpolate::Path;
-use crate::safety::{Event, Fault, FaultKind, FaultSet, Power, Reaction};
+use crate::safety::{Event, Fault, FaultSet, Power, Reaction};
 use crate::scalar::Scalar;
-use crate::units::{PER_NM, Position};
+use crate::units::Position;
 
-/// Greatest distance of an axis from the start of a waiting path at enable, position units: 0.1 mm. With a position gain of
-/// 50 /s the axis would start at 5 mm/s.
-const DISPLACEMENT_LIMIT: u64 = 100_000 * PER_NM.unsigned_abs();
+/// What is computed for the next position tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ahead {
+    /// Nothing: path and corrections are those of the position loops.
+    Nothing,
+    /// The command.
+    Command,
+    /// The command and its corrections.
+    Corrections,
+}
 
 /// What a machine keeps from tick to tick.
 // In this order: an instruction reaches the first 4 KiB. The tables of the compensations and the queue of the path are large.
@@ -23,12 +28,18 @@ const DISPLACEMENT_LIMIT: u64 = 100_000 * PER_NM.unsigned_abs();
 #[derive(Clone, Debug)]
 pub(super) struct State<S: Scalar, const N: usize> {
     /// Ticks until the next position tick.
-    until_position_tick: u32,
+    pub until_position_tick: u32,
     pub power: Power,
     pub warning: Option<Fault>,
     pub enable_requested: bool,
     /// Whether the drives were on in the previous tick.
     pub was_on: bool,
+    /// What is already computed for the next position tick.
+    pub ahead: Ahead,
+    /// Whether the path was done before it was advanced ahead.
+    pub was_done: bool,
+    /// The commands that the position loops follow, without corrections.
+    pub commands: [Position; N],
     pub brakes: Brakes,
     /// Forces that are added behind the velocity controllers.
     pub excitation: [S; N],
@@ -48,6 +59,9 @@ impl<S: Scalar, const N: usize> State<S, N> {
         warning: None,
         enable_requested: false,
         was_on: false,
+        ahead: Ahead::Nothing,
+        was_done: false,
+        commands: [Position(0); N],
         brakes: Brakes::CLOSED,
         excitation: [S::ZERO; N],
     };
@@ -62,6 +76,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
         self.power = Power::Off;
         self.warning = None;
         (self.enable_requested, self.was_on, self.brakes) = (false, false, Brakes::CLOSED);
+        (self.ahead, self.commands) = (Ahead::Nothing, *start);
         self.excitation = [S::ZERO; N];
     }
 
@@ -82,11 +97,40 @@ impl<S: Scalar, const N: usize> State<S, N> {
     pub fn output(&self, forces: [S; N]) -> Output<S, N> {
         Output {
             forces,
-            commands: self.path.command(),
+            commands: self.commands,
             enabled: self.was_on,
             warning: self.warning,
-            done: self.path.is_done(),
+            done: self.is_done(),
         }
+    }
+
+    /// The commands that the position loops follow, with their corrections.
+    pub fn corrected_commands(&self) -> [Position; N] {
+        if self.ahead == Ahead::Corrections {
+            return self.axes.each_ref().map(AxisState::corrected_command);
+        }
+        let mut commands = self.commands;
+        for (command, correction) in commands.iter_mut().zip(self.compensation.active_corrections()) {
+            *command += correction.total.distance();
+        }
+        commands
+    }
+
+    /// Whether every block has ended and the loops follow its end.
+    #[inline]
+    pub fn is_done(&self) -> bool {
+        self.path.is_done() && (self.ahead == Ahead::Nothing || self.was_done)
+    }
+
+    /// Whether the path is done and does not stop.
+    pub fn is_at_rest(&self) -> bool {
+        self.is_done() && !self.path.is_braking()
+    }
+
+    /// The path and the loops rest at commands.
+    pub fn rest_at(&mut self, commands: &[Position; N]) {
+        self.path.rest_at(commands);
+        (self.commands, self.ahead) = (*commands, Ahead::Nothing);
     }
 
     /// Whether the last tick ran the position loops.
@@ -101,16 +145,18 @@ impl<S: Scalar, const N: usize> State<S, N> {
             return;
         };
         let shift = if axis_config.feedback.uses_scale() { origin.table } else { origin.motor };
-        let mut commands = self.path.command();
+        let mut commands = self.commands;
         if let Some(command) = commands.get_mut(index) {
             *command += shift;
             *axis = axis.shifted(*command, shift, origin);
         }
         self.path.rest_at(&commands);
+        self.commands = commands;
         self.compensation.shift(index, shift);
     }
 
-    fn raise(&mut self, config: &MachineConfig<S, N>, faults: [FaultSet; N]) {
+    /// Raises the faults of each axis.
+    pub fn raise(&mut self, config: &MachineConfig<S, N>, faults: [FaultSet; N]) {
         if faults.iter().any(|faults| !faults.is_empty()) {
             self.raise_each(config, &faults);
         }
@@ -124,228 +170,5 @@ impl<S: Scalar, const N: usize> State<S, N> {
                 self.fault(config, Fault::Axis { axis, kind });
             }
         }
-    }
-}
-
-/// The readings as the position loop uses them: the scale's with the correction for errors between motor and scale.
-fn with_screw<S: Scalar>(reading: Reading, correction: Correction<S>) -> Reading {
-    Reading { table: reading.table.map(|table| table + correction.screw.distance()), ..reading }
-}
-
-impl<S: Scalar, const N: usize> MachineConfig<S, N> {
-    /// One tick.
-    pub(super) fn tick(&mut self, state: &mut State<S, N>, readings: &[Reading; N]) -> Output<S, N> {
-        let mut corrected = *readings;
-        state.compensation.correct(&mut corrected);
-        let readings = &corrected;
-        if !matches!(state.power, Power::On) {
-            self.tick_brakes(state);
-            if !state.power.is_on() {
-                self.tick_disabled(state, readings);
-            }
-        }
-        state.enable_requested = false;
-        let mut forces = [S::ZERO; N];
-        if state.power.is_on() {
-            if state.until_position_tick == 0 {
-                self.position_tick(state, readings);
-                state.until_position_tick = self.rates.position_loop_divider;
-            }
-            state.until_position_tick -= 1;
-            if !state.was_on {
-                self.preload(state, readings);
-            }
-            forces = self.velocity_tick(state, readings);
-            if !state.power.is_on() {
-                forces = [S::ZERO; N];
-                self.hold_axes(state, readings);
-            }
-        }
-        state.was_on = state.power.is_on();
-        state.output(forces)
-    }
-
-    /// The brakes of a machine that is not simply on. They are closed while it is off.
-    #[cold]
-    #[inline(never)]
-    fn tick_brakes(&self, state: &mut State<S, N>) {
-        let at_rest = state.path.is_done() && !state.path.is_braking();
-        if let Some(times) = self.brake_times()
-            && let Some(event) = state.brakes.tick(state.power, times, at_rest)
-        {
-            state.power = state.power.after(event);
-            if state.power == Power::Off {
-                state.warning = None;
-            }
-        }
-        if !state.power.is_on() {
-            state.brakes = Brakes::CLOSED;
-        }
-    }
-
-    /// The first tick after an enable: the force begins with the preload. That of the compensations, which does not rise from zero then,
-    /// is part of it, and the integrals make up the rest.
-    #[cold]
-    #[inline(never)]
-    fn preload(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
-        let State { axes, compensation, .. } = state;
-        for (index, ((axis, config), reading)) in axes.iter_mut().zip(&self.axes).zip(readings).enumerate() {
-            if let Some(preload) = config.preload {
-                axis.preload(preload - compensation.settle_force(index, reading));
-            }
-        }
-    }
-
-    /// The tick of a machine that is off, before the loops: the commands follow the axes; an enable that is requested is done.
-    #[cold]
-    #[inline(never)]
-    fn tick_disabled(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
-        if state.was_on || state.path.is_done() {
-            self.hold_axes(state, readings);
-        }
-        if state.enable_requested && state.power == Power::Off {
-            self.enable(state, readings);
-        }
-    }
-
-    /// Closes the loops at the present command, with every integral at zero.
-    fn enable(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
-        if let Some(fault) = self.missing_scale(readings) {
-            state.power = state.power.after(Event::Inhibit(fault));
-            return;
-        }
-        let displaced = self.displaced(state, readings);
-        if displaced.is_some() {
-            self.hold_axes(state, readings);
-            state.warning = displaced;
-        }
-        let corrections = state.compensation.active_corrections();
-        for (((axis, command), reading), correction) in
-            state.axes.iter_mut().zip(state.path.command()).zip(readings).zip(corrections)
-        {
-            *axis = AxisState::at_rest(command, with_screw(*reading, correction))
-                .corrected(correction.total.distance());
-        }
-        state.until_position_tick = 0;
-        let has_brakes = self.brake_times().is_some();
-        state.power = state.power.after(if has_brakes { Event::EnableWithBrakes } else { Event::Enable });
-    }
-
-    /// The first axis whose loop uses a scale that has no reading.
-    fn missing_scale(&self, readings: &[Reading; N]) -> Option<Fault> {
-        let missing = |(config, reading): (&AxisConfig<S>, &Reading)| {
-            config.feedback.uses_scale() && reading.table.is_none()
-        };
-        let mut axes = (0..).zip(self.axes.iter().zip(readings).map(missing));
-        axes.find(|(_, missing)| *missing).map(|(axis, _)| Fault::Axis { axis, kind: FaultKind::ScaleLost })
-    }
-
-    /// The first axis that is away from the start of the path.
-    fn displaced(&self, state: &State<S, N>, readings: &[Reading; N]) -> Option<Fault> {
-        let holding = self.holding_commands(state, readings);
-        let mut axes = (0..).zip(holding.into_iter().zip(state.path.command()));
-        let axis =
-            axes.find(|&(_, (holding, command))| (holding - command).unsigned_abs() > DISPLACEMENT_LIMIT);
-        axis.map(|(axis, _)| Fault::Axis { axis, kind: FaultKind::Displaced })
-    }
-
-    /// The commands that hold each axis at its present position.
-    fn holding_commands(&self, state: &State<S, N>, readings: &[Reading; N]) -> [Position; N] {
-        let mut commands = [Position(0); N];
-        let corrections = state.compensation.active_corrections();
-        for (((command, config), reading), correction) in
-            commands.iter_mut().zip(&self.axes).zip(readings).zip(corrections)
-        {
-            let Reading { motor, table } = with_screw(*reading, correction);
-            *command = config.feedback.settled(motor, table) - correction.total.distance();
-        }
-        commands
-    }
-
-    /// Sets the gains of the axes with a schedule, for the commands of the last position tick.
-    // Few axes have one, and those without are not to pay for it.
-    #[cold]
-    #[inline(never)]
-    fn schedule(&mut self, state: &State<S, N>) {
-        let axes = self.axes.iter_mut().zip(&self.schedules).zip(self.are_homed);
-        for (((config, schedule), is_homed), (axis, command)) in
-            axes.zip(state.axes.iter().zip(state.path.command()))
-        {
-            let Some(schedule) = schedule else { continue };
-            let Gains { proportional, integral } = match schedule.over {
-                ScheduledOver::Speed => schedule.gains(axis.command_speed()),
-                ScheduledOver::Position if is_homed => schedule.gains(command.0),
-                ScheduledOver::Position => schedule.base,
-            };
-            (config.velocity.proportional, config.velocity.integral) = (proportional, integral);
-        }
-    }
-
-    /// The next command, its corrections, and the position loops.
-    fn position_tick(&mut self, state: &mut State<S, N>, readings: &[Reading; N]) {
-        if self.is_scheduled {
-            self.schedule(state);
-        }
-        // A path that waits does so until the brakes are open.
-        let commands =
-            if matches!(state.power, Power::Enabling) { state.path.command() } else { state.path.advance() };
-        let is_at_segment_end = state.path.take_segment_end();
-        state.compensation.advance(&commands, is_at_segment_end);
-        let mut faults = [FaultSet::NONE; N];
-        for (i, ((((faults, axis), config), command), reading)) in
-            faults.iter_mut().zip(&mut state.axes).zip(&self.axes).zip(commands).zip(readings).enumerate()
-        {
-            let correction = state.compensation.command(i);
-            *faults = axis.position_tick(config, command, correction, *reading);
-        }
-        state.raise(self, faults);
-        if state.path.has_stopped() {
-            self.stopped(state);
-        }
-    }
-
-    /// The path has stopped: the drives go off if it was by a fault, with brakes after these have closed.
-    #[cold]
-    #[inline(never)]
-    fn stopped(&self, state: &mut State<S, N>) {
-        let has_brakes = self.brake_times().is_some();
-        let event = if has_brakes && matches!(state.power, Power::Stopping(_)) {
-            Event::DisableWithBrakes
-        } else {
-            Event::Stopped
-        };
-        state.power = state.power.after(event);
-        if matches!(state.power, Power::On | Power::Disabling(_)) {
-            state.path.rest_at(&state.path.command());
-        }
-    }
-
-    /// The velocity loops, with the forces of the compensations.
-    fn velocity_tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) -> [S; N] {
-        let (mut forces, mut faults) = ([S::ZERO; N], [FaultSet::NONE; N]);
-        let State { axes, compensation, excitation, .. } = state;
-        for (i, (((((force, faults), axis), config), reading), excitation)) in forces
-            .iter_mut()
-            .zip(&mut faults)
-            .zip(axes)
-            .zip(&self.axes)
-            .zip(readings)
-            .zip(excitation)
-            .enumerate()
-        {
-            let added = compensation.force(i, reading) + *excitation;
-            (*force, *faults) = axis.velocity_tick(config, *reading, added);
-        }
-        state.raise(self, faults);
-        forces
-    }
-
-    /// Discards the path and sets the commands to the positions of the axes, so that there is no following error.
-    #[cold]
-    #[inline(never)]
-    fn hold_axes(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
-        let commands = self.holding_commands(state, readings);
-        state.compensation.rest_at(&commands);
-        state.path.rest_at(&commands);
     }
 }

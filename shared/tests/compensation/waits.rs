@@ -19,8 +19,9 @@ fn ticks_to_correction(axis: usize, is_long_tick: bool) -> usize {
     let stepped = [position(0.1); 2];
     let ticks = (1..100).find(|_| {
         all.advance(&stepped, is_long_tick);
+        all.correct_commands();
         // The error at 0.1 m is 1 µm; at zero, the rounding of the table.
-        all.command(axis).total.value() > 0.5
+        all.active_corrections()[axis].total.value() > 0.5
     });
     ticks.unwrap()
 }

@@ -67,6 +67,27 @@ fn the_cost_of_a_tick_is_that_of_its_parts() {
     assert!(all("fixed") <= all("f32"), "fixed point {}, f32 {}", all("fixed"), all("f32"));
 }
 
+/// With the divider of the board, what depends on commands only is computed in the ticks before a position tick: none has all of it.
+#[test]
+fn a_tick_of_the_board_has_the_loops_or_the_path_or_the_corrections() {
+    let of = |part| cost(part, "fixed");
+    let path = cost("path, an arc, S-curve behind it", "all");
+    for (all, position, at_once, aim) in [
+        ("board, nine compensations", "board, nine, position tick", "tick, nine compensations", 1300),
+        ("board, all on", "board, all, position tick", "tick of two axes, all on", 1650),
+    ] {
+        let (all, position, at_once) = (of(all), of(position), of(at_once));
+        assert!(all.1 <= aim, "{all:?}");
+        // The velocity loops and filters of both axes are in every tick; the worst tick has the end of a segment of a ramp, too.
+        let velocity = 2 * (of("PI").0 + of("notch").0 + of("low-pass").0);
+        assert!(10 * all.1 > 9 * (velocity + path.1), "{all:?}");
+        // A position tick is the whole but path, motions and corrections, and has the loops of both axes.
+        assert!(position.1 <= at_once.0 - path.0, "{position:?} of {at_once:?}");
+        let loops = velocity + 2 * of("position loop of an axis").0;
+        assert!(position.0 > loops, "{position:?}, the loops {loops}");
+    }
+}
+
 /// Code without branches executes the same number of instructions in every tick; a difference would be an error of the count.
 #[test]
 fn fixed_point_laws_cost_the_same_in_every_tick() {

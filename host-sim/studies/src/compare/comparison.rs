@@ -20,12 +20,12 @@ pub struct Row {
     /// For the long run: distance of the last command from the programmed end along the path, or distance between the
     /// mean table positions at the beginning and at the end, whichever is greater.
     pub drift_nm: Option<f64>,
-    /// Instructions of a tick with path and position loops on the emulated core, median.
+    /// Instructions of a tick with position loops on the emulated core, median.
     pub instructions_per_tick: Option<u32>,
     /// Maximum table error of each section of the motion: time (s) and distance (nm).
     #[serde(skip)]
     pub curve: Vec<(f64, f64)>,
-    /// Instructions of a tick with path and position loops, maximum.
+    /// Instructions of a tick with position loops, maximum.
     #[serde(skip)]
     pub max_instructions: Option<u32>,
 }

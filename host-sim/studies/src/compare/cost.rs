@@ -16,7 +16,7 @@ use shared::scalar::Format;
 /// block.
 const MEASURED_S: f64 = 0.4;
 
-/// Instructions of a tick with path and position loops.
+/// Instructions of a tick with position loops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cost {
     /// Median of the ticks.

@@ -18,7 +18,7 @@ const TABLE_NOTE: &str = "Command: distance from the point of the exact path nea
                           precision in the same tick. Position: distance of the table from the table in the run in \
                           double precision. Drift (long run only): distance of the last command from the programmed \
                           end along the path, or change of the mean table position, whichever is greater. \
-                          Instructions: median over the ticks with path and position loops, on an emulated \
+                          Instructions: median over the ticks with position loops, on an emulated \
                           Cortex-M4F.";
 
 const CHARTS_NOTE: &str = "Maximum distance in each of up to 400 sections of a motion. For the long run, the two \
