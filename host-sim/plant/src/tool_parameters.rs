@@ -36,6 +36,17 @@ impl ToolParameters {
         self.resonances.iter().filter_map(EffectModel::mode)
     }
 
+    /// Offset of the tool per acceleration of its own axis, without modes, m per m/s².
+    #[must_use]
+    pub fn per_own_acceleration_s2(&self) -> f64 {
+        self.intalk.offset_m(1.0)
+    }
+
+    /// Offsets of the tool per acceleration of other axes, by their names, m per m/s².
+    pub fn per_other_acceleration_s2(&self) -> impl Iterator<Item = (&str, f64)> {
+        self.crosstalk.iter().map(|crosstalk| (crosstalk.source.as_str(), crosstalk.offset_m(1.0)))
+    }
+
     /// Largest displacement of the tool per acceleration of its own axis, far below the frequencies of its modes, m per m/s².
     #[must_use]
     pub fn max_displacement_s2(&self) -> f64 {

@@ -19,7 +19,7 @@ use crate::prediction::law_terms::LogVariables;
 use crate::prediction::table_motion::MeasuredMotor;
 use crate::prediction::{table_variable, tool, velocity_drive};
 use model::axis::Drive;
-use model::effects::{Channel, Crosstalk, Stage};
+use model::effects::{Channel, Stage};
 use model::residual_law::{ResidualLaw, Term};
 use model::residual_table::TableVariable;
 use model::servo;
@@ -316,14 +316,14 @@ impl FitData<'_> {
         let sample_s = self.logs[log].sample_s;
         let tool = model.parameters().tool;
         let own = self.signals(log).table_or_motor();
-        let own_m =
-            own.map_or(0.0, |table| table.noise_with_acceleration(tool.intalk.offset_m(1.0), sample_s));
-        let of_source = |crosstalk: &Crosstalk| {
-            let index = self.names.iter().position(|name| *name == crosstalk.source)?;
+        let per_own_s2 = tool.per_own_acceleration_s2();
+        let own_m = own.map_or(0.0, |table| table.noise_with_acceleration(per_own_s2, sample_s));
+        let of_other = |(name, per_s2): (&str, f64)| {
+            let index = self.names.iter().position(|other| other == name)?;
             let table = self.logs[log].axes[index].table_or_motor()?;
-            Some(crosstalk.offset_m(1.0) * table.quiet_acceleration_noise(sample_s))
+            Some(per_s2 * table.quiet_acceleration_noise(sample_s))
         };
-        tool.crosstalk.iter().filter_map(of_source).fold(own_m, libm::hypot)
+        tool.per_other_acceleration_s2().filter_map(of_other).fold(own_m, libm::hypot)
     }
 }
 
