@@ -218,3 +218,15 @@ fn a_response_with_other_settings_is_refused() {
     file.tones.iter_mut().for_each(|tone| tone.coherence = 0.7);
     refused(&file, "expected two tones");
 }
+
+/// A response is measured with one gain, a machine with a schedule has another one elsewhere.
+#[test]
+fn a_response_is_no_measure_of_a_machine_with_a_gain_schedule() {
+    let keys = "velocity_gain_n_s_per_m = 5000.0\ngain_schedule_speed_mm_per_s = [0, 50]\ngain_schedule_ratio = [1, 2]";
+    let scheduled = machine(&RIGID.replace("velocity_gain_n_s_per_m = 5000.0", keys));
+    let instruments = Instruments::of(&scheduled, 0);
+    let error = MeasuredAxis::of(&delayed(0.0), &scheduled, &instruments).unwrap_err().to_string();
+    assert!(error.contains("gain_schedule_ratio: expected a constant velocity gain"), "{error}");
+    let constant = machine(RIGID);
+    assert!(MeasuredAxis::of(&delayed(0.0), &constant, &Instruments::of(&constant, 0)).is_ok());
+}
