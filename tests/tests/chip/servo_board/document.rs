@@ -16,13 +16,26 @@ fn document() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("docs").join("board.md")
 }
 
-/// Words are equal; numbers within 5 % or 0.05: the host decides when it asks. The phase of a signal is any from 0 to 1: it changes with the micrometres in
-/// which an axis comes to rest.
+/// Period of the signals of the encoder of x, mm (`firmware/src/bench/signals.rs`).
+const SIGNAL_PERIOD_MM: f64 = 0.02;
+
+/// Phase of the signals of x at the position of its motor in a status, periods; `None` without this position.
+fn phase_of_motor(status: &str) -> Option<f64> {
+    let row = status.lines().find(|line| line.starts_with("x  "))?;
+    let motor_mm: f64 = row.split_whitespace().nth(2)?.parse().ok()?;
+    Some((motor_mm / SIGNAL_PERIOD_MM).rem_euclid(1.0))
+}
+
+/// Words are equal; numbers within 5 % or 0.05: the host decides when it asks. A phase is that of the motor position beside it, as the micrometre at which an
+/// axis comes to rest depends on when the host asks. The printed position is rounded to 0.0025 of a period, the phase to 0.005.
 fn is_same(found: &str, shown: &str) -> bool {
+    let phase = phase_of_motor(found);
+    let is_phase =
+        |value: f64| phase.is_some_and(|phase| ((value - phase + 0.5).rem_euclid(1.0) - 0.5).abs() < 0.01);
     let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
     let (found, shown) = (words(found), words(shown));
     let same = |(i, (a, b)): (usize, (&String, &String))| match (a.parse::<f64>(), b.parse::<f64>()) {
-        (Ok(a), Ok(_)) if i > 0 && shown[i - 1] == "phase" => (0.0..=1.0).contains(&a),
+        (Ok(a), Ok(_)) if i > 0 && shown[i - 1] == "phase" => is_phase(a),
         (Ok(a), Ok(b)) => (a - b).abs() <= 0.05 + 0.05 * b.abs(),
         _ => a == b,
     };
