@@ -14,6 +14,12 @@ pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
     mean(values.into_iter().map(|value| value * value)).abs().sqrt()
 }
 
+/// Σ(a − b)² over the values that both have.
+#[must_use]
+pub fn squares_of_difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum()
+}
+
 /// Reduction of a root mean square, percent, if its square decreases by a fraction (at most 1); negative if it increases.
 #[must_use]
 pub fn rms_reduction_percent(fraction: f64) -> f64 {

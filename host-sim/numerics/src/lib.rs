@@ -24,6 +24,8 @@ pub mod periodic;
 pub mod resample;
 pub mod spectrum;
 
-pub use averages::{mean, mean_and_deviation, median, quantile, rms, rms_reduction_percent};
+pub use averages::{
+    mean, mean_and_deviation, median, quantile, rms, rms_reduction_percent, squares_of_difference,
+};
 pub use extremes::{max, max_abs, min, min_max, peak_to_peak, saddle};
 pub use periodic::wrapped;

@@ -75,7 +75,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     #[inline]
     pub(super) fn prepare(&self, state: &mut State<S, N>) {
         let due_in = state.until_position_tick + 1;
-        // While the brakes open, it is known in the position tick only whether the path moves.
+        // Whether the path moves is known only in the position tick while the brakes open.
         let is_waiting = !state.power.is_on() || matches!(state.power, Power::Enabling);
         if due_in > 2 || due_in >= self.rates.position_loop_divider || is_waiting {
             return;

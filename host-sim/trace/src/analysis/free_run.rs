@@ -11,6 +11,7 @@ use crate::prediction::initial_state::steady_motion;
 use model::effects::{Channel, Effect, Timing};
 use model::machine::Axis;
 use numerics::resample::delayed_linear;
+use numerics::squares_of_difference;
 use plant::mechanics::Stepper;
 use plant::parameters::AxisParameters;
 
@@ -115,10 +116,6 @@ impl Squares {
             per_n: self.per_n + other.per_n,
         }
     }
-}
-
-fn squares_of_difference(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum()
 }
 
 /// Simulated motors of consecutive runs over one log; an incomplete run at its end is left out.

@@ -92,11 +92,11 @@ impl Smooth {
     /// Standard deviation of the noise in `value` plus a factor (s²) times [`Self::quiet_acceleration`].
     #[must_use]
     pub fn noise_with_acceleration(&self, factor_s2: f64, sample_s: f64) -> f64 {
-        let value = Cubic::new(self.half_window).middle;
-        let per_sample = factor_s2 / (sample_s * sample_s);
         if self.quiet.is_some() {
             return libm::hypot(self.value_noise, factor_s2 * self.quiet_acceleration_noise(sample_s));
         }
+        let value = Cubic::new(self.half_window).middle;
+        let per_sample = factor_s2 / (sample_s * sample_s);
         let acceleration = second_difference(&value);
         let of_value = [0.0].into_iter().chain(value).chain([0.0]);
         let sum: Vec<f64> = of_value.zip(acceleration).map(|(value, per)| value + per_sample * per).collect();

@@ -13,6 +13,7 @@
 //! No setting of the controller is added in this way. They compensate each other: with enough of them any controller would
 //! describe any motion.
 
+use super::candidates::Candidate;
 use super::mass_check::takes_place_of_mass;
 use super::round::Round;
 use crate::fit::fit_data::{FitData, ResidualSeries};
@@ -40,47 +41,44 @@ pub fn candidate(data: &FitData<'_>, base: &Fitted, round: &Round, scope: &Scope
     if scope.stages.contains(&Stage::Motor) || !is_gross(data, base, scope) {
         return None;
     }
-    let possible = |&index: &usize| {
-        let start = round.candidates[index].fitted.as_ref()?;
+    let possible = |&(index, start): &(usize, &Fitted)| {
         let fitted = least_squares::fit_from(data, &start.model, scope, least_squares::STEPS, &start.columns);
         let is_limited = fitted.model.at_limit(fitted.model.found().len() - 1).is_some();
         (!is_limited && !takes_place_of_mass(data, base, &fitted, scope)).then_some((index, fitted))
     };
-    let may_be_added = |index: &usize| {
-        let candidate = &round.candidates[*index];
-        candidate.fitted.is_some() && candidate.exceeds_tolerance && candidate.limit.is_none()
-    };
-    let candidates: Vec<usize> = (0..round.candidates.len()).filter(may_be_added).collect();
-    let min_gain = data.options.search.min_gain();
-    let alone =
-        candidates.iter().filter(|&&index| round.candidates[index].gain >= min_gain).find_map(possible);
-    alone.or_else(|| possible(&of_best_pair(data, base, &Pairs { round, candidates: &candidates }, scope)?))
-}
-
-/// Candidates of a round, by their indices, that are tried in pairs.
-struct Pairs<'a> {
-    round: &'a Round,
-    candidates: &'a [usize],
+    let options = &data.options.search;
+    let may_be_added = |c: &Candidate| c.exceeds_tolerance && c.limit.is_none();
+    let all = round.candidates.iter().enumerate().filter(|(_, candidate)| may_be_added(candidate));
+    let candidates: Vec<(usize, &Fitted)> =
+        all.filter_map(|(index, candidate)| Some((index, candidate.fitted.as_ref()?))).collect();
+    let gains = |&&(index, _): &&(usize, &Fitted)| round.candidates[index].gain >= options.min_gain();
+    let alone = candidates.iter().filter(gains).find_map(possible);
+    alone.or_else(|| possible(&candidates[of_best_pair(data, base, &candidates, scope)?]))
 }
 
 /// The first of the two candidates that leave least together; `None` if no two gain as much as a supported one has to. Of the tool
 /// alone, whose fits need no simulation of the drive.
-fn of_best_pair(data: &FitData<'_>, base: &Fitted, pairs: &Pairs<'_>, scope: &Scope) -> Option<usize> {
+fn of_best_pair(
+    data: &FitData<'_>,
+    base: &Fitted,
+    candidates: &[(usize, &Fitted)],
+    scope: &Scope,
+) -> Option<usize> {
     if scope.stages != [Stage::Tool] {
         return None;
     }
     let left = |fitted: &Fitted| log_rms(data, &fitted.residuals, scope);
-    let leaves = |(first, second): (usize, usize)| {
-        let fitted = pairs.round.candidates[first].fitted.as_ref()?;
-        let both = fitted.model.with(pairs.round.candidates[second].effect.clone());
-        let both = least_squares::fit_from(data, &both, scope, least_squares::STEPS, &fitted.columns);
-        Some((first, left(&both)))
+    let left_by_both = |first: usize, second: usize| {
+        let [(_, first), (_, second)] = [candidates[first], candidates[second]];
+        let both = first.model.with(second.model.axis.effect.last()?.clone());
+        Some(left(&least_squares::fit_from(data, &both, scope, least_squares::STEPS, &first.columns)))
     };
-    let first = pairs.candidates.iter().enumerate();
-    let all =
-        first.flat_map(|(i, &first)| pairs.candidates[i + 1..].iter().map(move |&second| (first, second)));
-    let best = all.filter_map(leaves).min_by(|a, b| a.1.total_cmp(&b.1))?;
-    (best.1 < left(base) - data.options.search.min_gain()).then_some(best.0)
+    let count = candidates.len();
+    let pairs = (0..count).flat_map(|first| (first + 1..count).map(move |second| (first, second)));
+    let (best, after) = pairs
+        .filter_map(|(first, second)| Some((first, left_by_both(first, second)?)))
+        .min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (after < left(base) - data.options.search.min_gain()).then_some(best)
 }
 
 /// Whether a fit with effects that were added provisionally leaves no more than the noise. One effect alone must be supported

@@ -2,18 +2,19 @@
 //!
 //! The tool is predicted from the measured table, whose noise an effect of the acceleration amplifies: an in-talk of 3 µm per m/s² beside a
 //! scale with 20 nm leaves nearly the noise of the probe once more. A mode far above the frequencies of the motion adds to such an
-//! in-talk, and its phase turns that part of the noise around: the residual falls at all times, in held-out motions as well, and
+//! in-talk, and cancels a part of its noise near its frequency: the residual falls at all times, in held-out motions as well, and
 //! the tool has no such mode. The noise of the predictions is computed, and what a candidate removes of it does not count.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::fit::fit_data::{FitData, ResidualSeries};
+use crate::fit::fit_data::FitData;
 use crate::fit::least_squares::Fitted;
 use crate::fit::scope::Scope;
 use crate::input::signals::{AxisSignals, Signals};
 use crate::input::smoothing::Smooth;
 use model::effects::Stage;
+use numerics::squares_of_difference;
 
 /// Seed of the noise that is added to the tables.
 const SEED: u64 = 1;
@@ -29,7 +30,8 @@ pub fn removes_only_noise(data: &FitData<'_>, without: &Fitted, with: &Fitted, s
     let noisy = FitData { logs: &noisy, ..*data };
     let of_noise = |fit: &Fitted| {
         let [plain, noisy] = [data, &noisy].map(|data| data.residuals(&fit.model, scope));
-        plain.iter().zip(&noisy).map(|(plain, noisy)| squares_of_difference(plain, noisy)).collect::<Vec<_>>()
+        let pairs = plain.iter().zip(&noisy);
+        pairs.map(|(plain, noisy)| squares_of_difference(&plain.values, &noisy.values)).collect::<Vec<_>>()
     };
     let noise = [without, with].map(of_noise);
     let residuals = without.residuals.iter().zip(&with.residuals).enumerate();
@@ -61,10 +63,6 @@ fn with_noise(logs: &[Signals]) -> Vec<Signals> {
         Signals { axes, ..log.clone() }
     };
     logs.iter().map(&mut of_log).collect()
-}
-
-fn squares_of_difference(a: &ResidualSeries, b: &ResidualSeries) -> f64 {
-    a.values.iter().zip(&b.values).map(|(a, b)| (a - b).powi(2)).sum()
 }
 
 fn squares(values: &[f64]) -> f64 {

@@ -34,7 +34,7 @@ fn two_accelerations_that_cancel_on_a_diagonal() {
 
 /// An in-talk of −3.7 µm per m/s², which passes on the noise of the scale, was one of −3.3 and a mode of 269 Hz, certain: together they pass on less.
 #[test]
-fn a_mode_that_only_turns_the_noise_of_the_scale() {
+fn a_mode_that_only_cancels_noise_of_the_scale() {
     assert_exact(Kind::Textbook, 20_261_502, 10);
 }
 
