@@ -39,7 +39,7 @@ options! {
         /// Maximum number of samples of all fit logs times number of axes up to which the axes are traced at the same time.
         ///
         /// Sweep: nothing changes but time and memory.
-        max_samples_at_once: usize = 128_000,
+        max_samples_at_once: usize = 80_000,
         /// Number of samples of longer logs in which effects are searched for, those that are held out included.
         searched_samples: usize = 48_000,
         /// Minimum number of samples of a log.

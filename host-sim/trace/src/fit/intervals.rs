@@ -202,7 +202,7 @@ mod tests {
     use super::*;
     use crate::fit::axis_model::AxisModel;
     use crate::fit::fit_data::ResidualSeries;
-    use crate::fit::normal_equations::{BLOCKS, Block};
+    use crate::fit::normal_equations::{BLOCKS, Block, DerivativeSeries};
     use crate::options::{ModelOptions, TraceOptions};
     use model::effects::{ForceWindup, FrictionWarmUp, ServoMismatch, Stage};
     use model::machine::Axis;
@@ -292,7 +292,7 @@ mod tests {
         let series = |value| ResidualSeries { stage: Stage::Motor, log: 0, values: vec![value; 10] };
         let mut fitted = fitted(1);
         (fitted.weights, fitted.residuals) = (vec![3.0], vec![series(1.0)]);
-        fitted.columns = vec![Arc::new(vec![series(2.0)])];
+        fitted.columns = vec![Arc::new(vec![DerivativeSeries::of(&series(0.0), &series(1.0), 0.5)])];
         let half = half_width(&fitted, &[series(0.5)]);
         assert!((half / 3.913f64.hypot(0.4325) - 1.0).abs() < 1e-3, "{half}");
     }

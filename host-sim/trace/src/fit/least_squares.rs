@@ -11,7 +11,9 @@ use rayon::prelude::*;
 
 use super::axis_model::{AxisModel, FreeParameter};
 use super::fit_data::{FitData, ResidualSeries};
-use super::normal_equations::{Block, Column, Known, blocks, normal, renewed_blocks, stepped};
+use super::normal_equations::{
+    Block, Column, DerivativeSeries, Known, blocks, normal, renewed_blocks, stepped,
+};
 use super::scope::Scope;
 use model::effects::Stage;
 
@@ -67,8 +69,8 @@ impl Fitted {
     ) {
         let weight = self.weights[series].powi(2);
         for (sum, column) in gradient.iter_mut().zip(&self.columns) {
-            let products =
-                column[series].values.iter().zip(error.clone()).map(|(slope, error)| slope * error);
+            let slopes = column[series].values.iter().map(|&slope| f64::from(slope));
+            let products = slopes.zip(error.clone()).map(|(slope, error)| slope * error);
             *sum += weight * products.sum::<f64>();
         }
     }
@@ -267,13 +269,9 @@ pub fn derivatives(
             let step = if is_inside { coordinate.step } else { -coordinate.step };
             let mut moved = values.clone();
             moved[j] += step;
-            let mut column = data.residuals(&model.at(scope, &moved), scope);
-            for (series, base) in column.iter_mut().zip(residuals) {
-                for (value, base) in series.values.iter_mut().zip(&base.values) {
-                    *value = (*value - base) / step;
-                }
-            }
-            Arc::new(column)
+            let moved = data.residuals(&model.at(scope, &moved), scope);
+            let series = residuals.iter().zip(&moved);
+            Arc::new(series.map(|(base, moved)| DerivativeSeries::of(base, moved, step)).collect())
         })
         .collect()
 }

@@ -45,8 +45,31 @@ pub fn block_ranges(samples: usize, shortest: usize) -> Vec<Range<usize>> {
     (0..samples).step_by(length).map(move |start| start..(start + length).min(samples)).collect()
 }
 
+/// Derivatives of one series of residuals with respect to one free parameter.
+#[derive(Clone, Debug)]
+pub struct DerivativeSeries {
+    /// Stage.
+    pub stage: Stage,
+    /// Index of the log.
+    pub log: usize,
+    /// Derivative at each sample, µm or N per unit of the coordinate. Those of all candidates take most of the memory of a search. They are
+    /// one-sided differences, whose error is far above the rounding to single precision.
+    pub values: Vec<f32>,
+}
+
+impl DerivativeSeries {
+    /// The differences of a moved prediction from the residuals at a point, over the step.
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "rounded to single precision")]
+    pub fn of(base: &ResidualSeries, moved: &ResidualSeries, step: f64) -> Self {
+        let values =
+            moved.values.iter().zip(&base.values).map(|(value, base)| ((value - base) / step) as f32);
+        Self { stage: base.stage, log: base.log, values: values.collect() }
+    }
+}
+
 /// Derivatives of all residuals with respect to one free parameter. Shared by fits that start from the same point.
-pub type Column = Arc<Vec<ResidualSeries>>;
+pub type Column = Arc<Vec<DerivativeSeries>>;
 
 /// Normal equations by block from residuals and their derivatives.
 #[must_use]
@@ -87,7 +110,7 @@ pub fn renewed_blocks(
         let count = ranges.len();
         for (number, range) in ranges.into_iter().enumerate() {
             let residual = &series.values[range.clone()];
-            let slices: Vec<&[f64]> =
+            let slices: Vec<&[f32]> =
                 columns.iter().map(|column| &column[index].values[range.clone()]).collect();
             let is_this =
                 |block: &&Block| (block.stage, block.log, block.number) == (series.stage, series.log, number);
@@ -95,7 +118,7 @@ pub fn renewed_blocks(
             let mut gradient = DVector::zeros(n);
             let mut curvature = DMatrix::zeros(n, n);
             for i in 0..n {
-                gradient[i] = weight * dot(slices[i], residual);
+                gradient[i] = weight * dot(residual, slices[i]);
                 for j in 0..=i {
                     let product = match known_block.filter(|_| is_known(i) && is_known(j)) {
                         Some(known) => (weights[index] / known.weight).powi(2) * known.curvature[(i, j)],
@@ -123,16 +146,17 @@ pub fn renewed_blocks(
 }
 
 /// Scalar product in four independent sums, which the processor computes in parallel.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+fn dot<A: Copy + Into<f64>, B: Copy + Into<f64>>(a: &[A], b: &[B]) -> f64 {
     let (fours_a, end_a) = a.as_chunks::<4>();
     let (fours_b, end_b) = b.as_chunks::<4>();
     let mut sums = [0.0; 4];
     for (a, b) in fours_a.iter().zip(fours_b) {
         for lane in 0..4 {
-            sums[lane] += a[lane] * b[lane];
+            sums[lane] += a[lane].into() * b[lane].into();
         }
     }
-    sums.iter().sum::<f64>() + end_a.iter().zip(end_b).map(|(a, b)| a * b).sum::<f64>()
+    let end = end_a.iter().zip(end_b).map(|(&a, &b)| a.into() * b.into());
+    sums.iter().sum::<f64>() + end.sum::<f64>()
 }
 
 /// Curvature and gradient summed over the blocks and the priors.

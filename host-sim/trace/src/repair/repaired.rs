@@ -48,12 +48,12 @@ impl Repaired<'_> {
     }
 
     /// Two steps of each axis, the second of which sees the models after the first step of all axes. Of long logs, one axis follows the
-    /// other, as memory would grow with their number; the second step then sees the declared models.
+    /// other, as memory would grow with their number.
     pub fn map_axes<T: Send, U: Send>(
         &self,
-        first: impl Fn(&AxisData<'_>) -> T + Sync,
+        first: impl Fn(&AxisData<'_>) -> T + Sync + Send,
         model: impl Fn(&T) -> &AxisModel,
-        second: impl Fn(&AxisData<'_>, T) -> U + Sync,
+        second: impl Fn(&AxisData<'_>, T) -> U + Sync + Send,
     ) -> Vec<U> {
         let [fit, validate] = &self.signals;
         let declared_axes = self.declared.machine.axis.values().enumerate();
@@ -64,12 +64,11 @@ impl Repaired<'_> {
             })
             .collect();
         let samples: usize = fit.iter().map(Signals::len).sum();
-        if samples * axes.len() > self.declared.options.admission.max_samples_at_once {
-            return axes.iter().map(|axis| second(axis, first(axis))).collect();
-        }
-        let results: Vec<T> = axes.par_iter().map(&first).collect();
+        let at_once = samples * axes.len() <= self.declared.options.admission.max_samples_at_once;
+        let results = mapped(axes.iter().collect(), at_once, &first);
         let models: Vec<AxisModel> = results.iter().map(|result| model(result).clone()).collect();
-        axes.par_iter().zip(results).map(|(axis, result)| second(&axis.beside(&models), result)).collect()
+        let pairs = axes.iter().zip(results).collect();
+        mapped(pairs, at_once, |(axis, result): (&AxisData<'_>, T)| second(&axis.beside(&models), result))
     }
 
     /// Preparation of further signals of the logs, and the commands that are late in them.
@@ -77,6 +76,11 @@ impl Repaired<'_> {
     pub fn preparation(&self) -> (Preparation<'_>, &[Late]) {
         (preparation(&self.declared, &self.logs, &self.excluded), &self.late)
     }
+}
+
+/// The results for all items, which are computed at the same time or one after the other.
+fn mapped<A: Send, B: Send>(items: Vec<A>, at_once: bool, of: impl Fn(A) -> B + Sync + Send) -> Vec<B> {
+    if at_once { items.into_par_iter().map(of).collect() } else { items.into_iter().map(of).collect() }
 }
 
 /// Corrects the faults of admitted logs, refuses logs that cannot be traced, and prepares the signals of the others.

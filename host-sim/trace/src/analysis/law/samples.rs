@@ -70,7 +70,7 @@ impl<'a> Samples<'a> {
                     let of_log = column.iter().find(|other| (other.stage, other.log) == (stage, series.log));
                     let value =
                         |sample: &usize| of_log.and_then(|of_log| of_log.values.get(*sample)).copied();
-                    samples.iter().map(|sample| value(sample).unwrap_or(0.0)).collect()
+                    samples.iter().map(|sample| value(sample).map_or(0.0, f64::from)).collect()
                 };
                 let free = free.iter().map(of_column).collect();
                 blocks.push(SampleBlock {
