@@ -205,6 +205,7 @@ impl AxisParameters {
             Effect::Crosstalk(e) => self.tool.crosstalk.push(e),
             Effect::Squareness(e) => self.tool.squareness.um_per_m += e.um_per_m,
             Effect::Straightness(e) => self.tool.straightness.push(e),
+            Effect::Yaw(e) => self.tool.yaws.push(e),
             Effect::StraightnessMap(e) => self.tool.straightness_maps.push((e.source.clone(), e.curve())),
             Effect::ThermalDrift(e) => self.tool.drifts.push(e),
             Effect::ThermalRate(e) => self.tool.rate.um_per_min += e.um_per_min,

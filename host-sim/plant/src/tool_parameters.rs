@@ -1,7 +1,7 @@
 //! The parameters of what is between table and tool.
 
 use model::effects::{
-    Crosstalk, EffectModel, Intalk, Mode, Resonance, Squareness, Straightness, ThermalDrift, ThermalRate,
+    Crosstalk, EffectModel, Intalk, Mode, Resonance, Squareness, Straightness, ThermalDrift, ThermalRate, Yaw,
 };
 use model::position_curve::PositionCurve;
 
@@ -20,6 +20,8 @@ pub struct ToolParameters {
     pub straightness: Vec<Straightness>,
     /// Offset over the position of another axis, by its name: m over m.
     pub straightness_maps: Vec<(String, PositionCurve)>,
+    /// Offset per product of the position of the axis itself and that of another one.
+    pub yaws: Vec<Yaw>,
     /// Offsets over the time of the session that approach an end.
     pub drifts: Vec<ThermalDrift>,
     /// Offset in proportion to the time of the session.
@@ -45,6 +47,11 @@ impl ToolParameters {
     /// Offsets of the tool per acceleration of other axes, by their names, m per m/s².
     pub fn per_other_acceleration_s2(&self) -> impl Iterator<Item = (&str, f64)> {
         self.crosstalk.iter().map(|crosstalk| (crosstalk.source.as_str(), crosstalk.offset_m(1.0)))
+    }
+
+    /// Offsets of the tool per product of the positions of its own axis and of another one, by the name of the latter, m per m².
+    pub fn per_position_product_m(&self) -> impl Iterator<Item = (&str, f64)> {
+        self.yaws.iter().map(|yaw| (yaw.source.as_str(), yaw.offset_m(1.0, 1.0)))
     }
 
     /// Largest displacement of the tool per acceleration of its own axis, far below the frequencies of its modes, m per m/s².

@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix3;
 
-use model::effects::{Crosstalk, Resonance, Straightness, ThermalDrift};
+use model::effects::{Crosstalk, Resonance, Straightness, ThermalDrift, Yaw};
 use model::position_curve::PositionCurve;
 
 use super::tool_parameters::ToolParameters;
@@ -32,11 +32,13 @@ pub fn offset_m(tool: &ToolParameters, axis: usize, tables: &Tables<'_>, time_s:
     let crosstalk = |c: &Crosstalk| c.offset_m(from(&c.source, tables.acceleration));
     let straightness = |s: &Straightness| s.offset_m(from(&s.source, tables.position_m));
     let map = |(source, curve): &(String, PositionCurve)| curve.value(from(source, tables.position_m));
+    let yaw = |yaw: &Yaw| yaw.offset_m(tables.position_m[axis], from(&yaw.source, tables.position_m));
     tool.intalk.offset_m(tables.acceleration[axis])
         + tool.crosstalk.iter().map(crosstalk).sum::<f64>()
         + other.map_or(0.0, |i| tool.squareness.offset_m(tables.position_m[i]))
         + tool.straightness.iter().map(straightness).sum::<f64>()
         + tool.straightness_maps.iter().map(map).sum::<f64>()
+        + tool.yaws.iter().map(yaw).sum::<f64>()
         + tool.drifts.iter().map(|drift: &ThermalDrift| drift.offset_m(time_s)).sum::<f64>()
         + tool.rate.offset_m(time_s)
         + tool.probe.gain.offset_m(tables.position_m[axis])

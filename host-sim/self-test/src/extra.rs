@@ -28,6 +28,9 @@ pub fn draw(kind: Kind, machine: &mut Drawn, random: &mut ChaCha8Rng) -> Vec<Tru
     let index = random.random_range(0..AXES.len());
     let lead_mm = machine.declared[index].lead_mm;
     if kind == Kind::Guide {
+        if random.random_bool(0.5) {
+            return vec![yaw(machine, index, random)];
+        }
         let (waves, extent_um) = guide_shape(random);
         machine.axes[index].guide_waves = waves;
         return vec![extra("guide_shape", index, vec![("peak_to_peak_um", extent_um)])];
@@ -70,6 +73,15 @@ fn pitch_shape(mechanics: &mut Mechanics, random: &mut ChaCha8Rng) -> Vec<(&'sta
     mechanics.screw_waves =
         waves.map(|wave| Sinusoid { amplitude: factor * wave.amplitude, ..wave }).to_vec();
     vec![("peak_to_peak_um", extent_um)]
+}
+
+/// A carriage that turns as it moves, with the other axis as its lever.
+fn yaw(machine: &mut Drawn, index: usize, random: &mut ChaCha8Rng) -> Truth {
+    let sign = if random.random_bool(0.5) { 1.0 } else { -1.0 };
+    let um_per_m2 = sign * random.random_range(200.0..800.0);
+    machine.axes[index].yaw_per_m = 1e-6 * um_per_m2;
+    let source = Some(("source", AXES[1 - index]));
+    Truth { reference: source, ..extra("carriage_yaw", index, vec![("um_per_m2", um_per_m2)]) }
 }
 
 /// Two long waves of a guide, which is bent as it is screwed down, scaled to a drawn extent, µm peak to peak.

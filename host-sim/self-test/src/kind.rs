@@ -35,7 +35,7 @@ pub enum Kind {
     Sensors,
     /// A machine file or logs that lack something: see [`super::gap`].
     Sparse,
-    /// A guide that is not straight.
+    /// A guide that is not straight, or a carriage that turns as it moves.
     Guide,
 }
 

@@ -40,6 +40,8 @@ pub struct Axis {
     pub squareness: f64,
     /// Tool − table per the other axis's position squared, 1/m.
     pub straightness_per_m: f64,
+    /// Tool − table per product of both axes' positions, 1/m.
+    pub yaw_per_m: f64,
     /// Tool − table over the other axis's position, m over m.
     pub guide_waves: Vec<Sinusoid>,
     /// Final value of the drift of tool − table, m.
@@ -149,6 +151,7 @@ impl<'a> MovingAxis<'a> {
             + axis.crosstalk_s2 * other.table_m_per_s2
             + axis.squareness * other.table_m
             + axis.straightness_per_m * other.table_m * other.table_m
+            + axis.yaw_per_m * self.state.table_m * other.table_m
             + axis.guide_waves.iter().map(|wave| wave.at(other.table_m)).sum::<f64>()
             + drift_m
             + axis.vibration.at(time_s)

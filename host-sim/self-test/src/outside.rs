@@ -14,7 +14,7 @@ pub const FAULT_KINDS: [&str; 9] =
     ["slip", "stuck", "spike", "sign", "exchanged", "shifted", "rate", "unit", "dead"];
 
 /// Things from outside and their names.
-const NAMINGS: [Naming; 13] = [
+const NAMINGS: [Naming; 14] = [
     // A slope is a part of a shape, but does not name it.
     Naming { names: &["pitch_map"], ..named("pitch_shape", &["pitch_map", "pitch_progressive"]) },
     // A slope or a bow is a part of a shape, but does not name it.
@@ -22,6 +22,7 @@ const NAMINGS: [Naming; 13] = [
         names: &["straightness_map"],
         ..named("guide_shape", &["straightness_map", "straightness", "squareness"])
     },
+    Naming { estimated: Some(("yaw", &["um_per_m2"])), ..named("carriage_yaw", &["yaw"]) },
     named("friction_position", &["friction_map", "preload_variation", "friction_ripple"]),
     Naming {
         estimated: Some(("friction_warm_up", &["force_n", "time_constant_s"])),

@@ -1,4 +1,4 @@
-//! The terms of laws as parts of a compensation.
+//! The terms of laws, and products of positions, as parts of a compensation.
 
 use shared::compensate::CompensationSettings;
 
@@ -9,7 +9,8 @@ use crate::compensate::planning::Planning;
 use crate::compensate::prediction::PredictionError;
 use model::machine::Axis;
 use model::residual_law::Term;
-use model::residual_table::first_other;
+use model::residual_table::{TableVariable, first_other};
+use plant::tool_parameters::ToolParameters;
 
 /// The terms of the laws of an axis, each as a part with the reason why the controller does not compensate it, if there is one.
 pub(crate) fn law_terms(
@@ -36,15 +37,37 @@ impl Planning<'_> {
             return Ok(());
         }
         let other = first_other(index).min(self.model.axis.len() - 1);
-        let other_travel_m =
-            mapped::known_m(&self.model.axis[other], mapped::travel_m(self.model, self.tests, other)?);
-        let number = |axis: usize| u8::try_from(axis).unwrap_or(u8::MAX);
-        let place = Place { own: number(index), other: number(other), travel_m, other_travel_m };
+        let place = self.place([index, other], travel_m)?;
         for (part, term, refused) in law_terms(axis, index) {
             if refused.is_none() && choice.has(&part) {
                 laws::add(compensation, term, &place);
             }
         }
         Ok(())
+    }
+
+    /// Adds the displacements of the tool of an axis by the product of its position and that of another one, as [`Self::add_laws`].
+    pub(crate) fn add_position_products(
+        &self,
+        index: usize,
+        tool: &ToolParameters,
+        (compensation, travel_m): (&mut CompensationSettings, [f64; 2]),
+    ) -> Result<(), PredictionError> {
+        for (source, m_per_m2) in tool.per_position_product_m() {
+            let Some(other) = self.model.axis.get_index_of(source) else { continue };
+            // In m per m² it is the same number as in µm per mm².
+            let of = vec![TableVariable::PositionMm, TableVariable::OtherPositionMm];
+            let term = Term::Product { of, coefficient: m_per_m2 };
+            laws::add(compensation, &term, &self.place([index, other], travel_m)?);
+        }
+        Ok(())
+    }
+
+    /// The travels of an axis, which its tables cover, and of another one, by their indices.
+    fn place(&self, [own, other]: [usize; 2], travel_m: [f64; 2]) -> Result<Place, PredictionError> {
+        let other_travel_m =
+            mapped::known_m(&self.model.axis[other], mapped::travel_m(self.model, self.tests, other)?);
+        let number = |axis: usize| u8::try_from(axis).unwrap_or(u8::MAX);
+        Ok(Place { own: number(own), other: number(other), travel_m, other_travel_m })
     }
 }

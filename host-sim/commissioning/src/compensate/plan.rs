@@ -297,6 +297,7 @@ impl Planning<'_> {
         controller.law = (is_hpc && choice.has(&Part::Law)).then_some(Law::P);
         let (mut compensation, _) = tables::of_axis(&parameters, &names, travel_m, self.set_at_s);
         (compensation.ripple, _) = force::ripple(&parameters);
+        self.add_position_products(index, &parameters.tool, (&mut compensation, travel_m))?;
         self.add_laws(index, choice, (&mut compensation, travel_m))?;
         let force = match axis.settings.controller.drive {
             Drive::Torque => force::model(&parameters, &axis.settings, travel_m, self.set_at_s),

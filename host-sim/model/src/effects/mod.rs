@@ -67,6 +67,7 @@ mod velocity_filter;
 mod velocity_gain_mismatch;
 mod velocity_lag;
 mod windup;
+mod yaw;
 
 use std::collections::BTreeMap;
 
@@ -138,6 +139,7 @@ pub use velocity_filter::VelocityFilter;
 pub use velocity_gain_mismatch::VelocityGainMismatch;
 pub use velocity_lag::VelocityLag;
 pub use windup::Windup;
+pub use yaw::Yaw;
 
 // Effects are searched for and listed in this order.
 catalogue! {
@@ -189,6 +191,7 @@ catalogue! {
     Squareness,
     Straightness,
     StraightnessMap,
+    Yaw,
     ProbeRotation,
     ProbeGain,
     ThermalDrift,

@@ -129,6 +129,12 @@ pub fn straightness_map() {
     Comparison::of(&effect).assert(expected_um, 0.15, 0.9);
 }
 
+/// By one of the controller's products.
+pub fn yaw() {
+    let expected_um = radial_rms_um(|p| 2e4 * p.x_m() * p.y_m());
+    Comparison::of("name = \"yaw\"\nsource = \"y\"\num_per_m2 = 20000.0").assert(expected_um, 0.1, 0.9);
+}
+
 /// From 60 s to 65.6 s on the session clock: the drift in the middle, 62.8 s; it moves by 0.5 µm of 8 µm meanwhile.
 pub fn thermal_drift() {
     let expected_um = radial_rms_um(|_| 20.0 * (1.0 - (-62.8f64 / 120.0).exp()));

@@ -26,7 +26,7 @@ tested! {
         preload_variation, friction_ripple, quadratic_drag;
     servo: servo_mismatch, velocity_lag, feedforward_mismatch, velocity_gain_mismatch, integral_time_mismatch,
         drive_lag, drive_dead_time, computation_delay;
-    tool: intalk, crosstalk, squareness, straightness, straightness_map, probe_rotation, probe_gain, thermal_drift, thermal_rate,
+    tool: intalk, crosstalk, squareness, straightness, straightness_map, yaw, probe_rotation, probe_gain, thermal_drift, thermal_rate,
         latency, resonance;
 }
 

@@ -90,6 +90,23 @@ pub fn straightness_map() {
     });
 }
 
+/// Tool x − table x = coefficient · x · y.
+pub fn yaw() {
+    let motion = circle(50.0, 100.0, 1.0);
+    let plain = run(PLAIN, &motion);
+    let effect_run = run(&with("name = \"yaw\"\nsource = \"y\"\num_per_m2 = 1200.0"), &motion);
+    effect_run.assert_same(&plain, &[Channel::Tool]);
+    let [x_mm, y_mm] = ["x", "y"].map(|axis| effect_run.channel(axis, Channel::Table));
+    let mut largest_um = 0.0f64;
+    for (i, offset_um) in offset_um(&effect_run).iter().enumerate() {
+        let expected_um = 1200.0 * 1e-6 * x_mm[i] * y_mm[i];
+        largest_um = largest_um.max(expected_um.abs());
+        assert_near(*offset_um, expected_um, EXACT_UM, "tool − table");
+    }
+    // At 45°, 50²/2 mm².
+    assert!((largest_um / 1.5 - 1.0).abs() < 0.01, "{largest_um}");
+}
+
 /// Reading of x = tool + angle·y.
 pub fn probe_rotation() {
     assert_position_offset("name = \"probe_rotation\"\num_per_m = 170.0", |y_mm| 170.0 * 1e-3 * y_mm);
