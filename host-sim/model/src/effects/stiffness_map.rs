@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, KeptPart, Misplaced, Neighbours,
-    Occurrence, Parameter, Placement, Prerequisite, Range, Stage, Unit, Wording, knots,
+    Abscissa, Coordinate, EffectCompensation, EffectContext, EffectModel, Imitation, ImitationContext,
+    KeptPart, Misplaced, Neighbours, Occurrence, Parameter, Placement, Prerequisite, Range, Stage, Unit,
+    Wording, knots,
 };
 use crate::axis::Settings;
 use crate::position_curve::PositionCurve;
@@ -109,6 +110,10 @@ impl EffectModel for StiffnessMap {
     /// A fit without a fold knows nothing of positions that only this fold contains.
     fn prior(&self, _declared: &Settings) -> Option<[f64; 2]> {
         Some([0.0, USUAL_PERCENT])
+    }
+
+    fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
+        context.has_varying_gap.then_some(Imitation::VARYING_GAP).into_iter().collect()
     }
 
     fn over_position(&self) -> Option<&[f64]> {

@@ -36,13 +36,8 @@ pub fn covariance(data: &FitData<'_>, fitted: &Fitted) -> Covariance {
     let (curvature, _) = normal(&fitted.blocks, &fitted.parameters);
     let mut regular =
         curvature.clone() + DMatrix::from_diagonal(&(curvature.diagonal() * 1e-9).add_scalar(1e-12));
+    let at_bound: Vec<usize> = (0..n).filter(|&i| is_at_bound(&fitted.parameters[i].coordinate)).collect();
     // A parameter at a bound is treated as known.
-    let is_at_bound = |parameter: &FreeParameter| {
-        let Coordinate { value, lower, upper, .. } = parameter.coordinate;
-        let near = 1e-6 * (upper - lower);
-        value - lower < near || upper - value < near
-    };
-    let at_bound: Vec<usize> = (0..n).filter(|&i| is_at_bound(&fitted.parameters[i])).collect();
     for &i in &at_bound {
         regular[(i, i)] += 1e9 * (1.0 + curvature[(i, i)]);
     }
@@ -71,6 +66,13 @@ pub fn covariance(data: &FitData<'_>, fitted: &Fitted) -> Covariance {
         inverse,
         degrees_of_freedom: sums.len().saturating_sub(1),
     }
+}
+
+/// Whether a value is at one of its bounds but for rounding. A friction of 0.01 N is not at its bound of zero, though its range ends at 100 kN.
+fn is_at_bound(coordinate: &Coordinate) -> bool {
+    let Coordinate { value, step, lower, upper, .. } = *coordinate;
+    let near = 1e-6 * step;
+    value - lower < near || upper - value < near
 }
 
 /// Jᵀ·b of the weighted error b that is subtracted from the residuals.
@@ -208,6 +210,17 @@ mod tests {
     use model::machine::Axis;
     use shared::config::Rates;
     use std::sync::Arc;
+
+    /// Steps are 2 N and 0.02·8 mm/s.
+    #[test]
+    fn a_value_is_at_its_bound_only_within_a_rounding() {
+        let friction = |value| Coordinate::between(value, 2.0, 0.0, 1e5);
+        assert!(is_at_bound(&friction(0.0)) && is_at_bound(&friction(1e-6)));
+        assert!(!is_at_bound(&friction(3e-6)) && !is_at_bound(&friction(0.0097)));
+        assert!(is_at_bound(&friction(1e5)) && !is_at_bound(&friction(1e5 - 1e-5)));
+        let at = |value| Coordinate { value, ..Coordinate::scale(8.0, 0.1, 300.0) };
+        assert!(is_at_bound(&at(8.0 / 3.0)) && is_at_bound(&at(24.0)) && !is_at_bound(&at(8.0)));
+    }
 
     /// A fit of one parameter to `logs` logs: each block has curvature 1 and a gradient of ±1; the first block of each log
     /// has no counting sample.

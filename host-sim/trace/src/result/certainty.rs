@@ -102,6 +102,9 @@ fn with_imitations(
     let tolerance = axis.declared_values.first().map_or(0.0, |value| value.tolerance);
     let tool_follows_scale = follows_scale(&axis, options);
     let head_displacement_s2 = displaced_head::allowed_s2(&axis, &declared.settings, options);
+    let varies =
+        |found: &FoundEffect| found.effect.depends_on_direction() && found.effect.over_position().is_some();
+    let has_varying_gap = axis.found.iter().any(varies);
     for found in &mut axis.found {
         let context = ImitationContext {
             axis: &declared.settings,
@@ -116,6 +119,7 @@ fn with_imitations(
             head_displacement_s2: head_displacement_s2.clone(),
             turned_s2,
             jitters,
+            has_varying_gap,
         };
         found.imitations = found.effect.imitations(&context);
         if jitters && is_within_jitter(found, &axis.residuals) {

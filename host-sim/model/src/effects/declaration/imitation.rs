@@ -48,6 +48,8 @@ pub struct ImitationContext<'a> {
     pub turned_s2: f64,
     /// Whether rows were read at instants that jitter.
     pub jitters: bool,
+    /// Whether an error that varies over the position and with the direction of motion was found on the axis.
+    pub has_varying_gap: bool,
 }
 
 impl Imitation {
@@ -105,6 +107,13 @@ impl Imitation {
         name: "resolver_dividing",
         clause: "the motor's reading has a periodic error of this period",
         decided_by: Self::CLOCK.decided_by,
+    };
+
+    /// A gap between screw and table that varies over the position.
+    pub const VARYING_GAP: Self = Self {
+        name: "pitch_map",
+        clause: "the gap between screw and table varies more finely than its map: friction stretches the drive in the direction of motion as well",
+        decided_by: "a log of motions with high accelerations over the travel",
     };
 
     /// The position gain of a loop that commands the velocity of a drive of unknown bandwidth.
