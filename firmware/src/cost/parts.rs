@@ -150,6 +150,11 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
     part.of("notch", &errors, filter::State::default(), |state, &x| notch.step(state, x));
     part.of("low-pass", &errors, filter::State::default(), |state, &x| low_pass.step(state, x));
     recording(&mut part, others);
+    whole_ticks(&mut part, first, others)
+}
+
+/// Whole ticks of two axes.
+fn whole_ticks<S: Scalar>(part: &mut Parts<'_>, first: &Tick<S>, others: &[Tick<S>]) -> Option<()> {
     let mut plain = motion::plain_machine::<S>(&PROGRAM)?;
     plain.tick(&first.readings);
     part.of("tick of two axes, path and loops", others, plain, |machine, tick| machine.tick(&tick.readings));
