@@ -6,7 +6,7 @@
 use core::num::NonZeroU32;
 
 use shared::capture::ChannelSteps;
-use shared::config::{AxisEnvelope, AxisSettings, Law, Notches, Rates, Sensors};
+use shared::config::{AxisEnvelope, AxisSettings, Law, Notches, Rates, Sensors, VelocitySource};
 use shared::drive::{
     AnyOutput, DriveError, DriveSettings, DriveSystem, EnableSwitch, StatusLight, SupplyLimits, TickClock,
 };
@@ -198,6 +198,7 @@ pub const SETTINGS: [AxisSettings; AXES] = [AxisSettings {
     velocity_gain_n_s_per_m: 3_000.0,
     gain_schedule: None,
     velocity_integral_time_s: Some(0.02),
+    velocity_source: VelocitySource::Difference,
     velocity_lag_s: 0.0,
     notches: Notches::NONE,
     low_pass: None,

@@ -3,6 +3,7 @@
 use crate::compensate::Correction;
 use crate::config::{AxisConfig, NOTCHES};
 use crate::control::bumpless_transfer::BumplessTransfer;
+use crate::control::velocity::PiOutput;
 use crate::control::{feedforward, filter, gain_schedule, position, velocity};
 use crate::feedback::OriginShift;
 pub use crate::feedback::Reading;
@@ -30,6 +31,9 @@ pub struct AxisState<S: Scalar> {
     /// Settle the filters at the next output of the velocity loop, which has been changed. The difference to the last
     /// output is left to the bumpless transfer.
     settle_filters: bool,
+    /// Whether the last tick has found that the velocity loop has no observer and that nothing is to be settled. One test for all of
+    /// this: most axes have neither.
+    is_usual: bool,
     monitor: monitor::State<S>,
 }
 
@@ -49,6 +53,7 @@ impl<S: Scalar> AxisState<S> {
             velocity_transfer: BumplessTransfer::INACTIVE,
             force_transfer: BumplessTransfer::INACTIVE,
             settle_filters: false,
+            is_usual: false,
             monitor: monitor::State::at(command, reading.motor),
         }
     }
@@ -57,6 +62,12 @@ impl<S: Scalar> AxisState<S> {
     #[must_use]
     pub const fn corrected(self, correction: i64) -> Self {
         Self { feedforward: self.feedforward.corrected(correction), ..self }
+    }
+
+    /// This motion at a constant velocity, m/s, for an observer of the velocity. The readings before were those of this velocity.
+    #[must_use]
+    pub fn moving(self, m_per_s: f64) -> Self {
+        Self { velocity: self.velocity.observing(S::signal(m_per_s / VELOCITY_M_PER_S)), ..self }
     }
 
     /// Lets the force of the loops, before compensation, begin with a force, N, from which it continues without a step: the integral
@@ -108,7 +119,11 @@ impl<S: Scalar> AxisState<S> {
         if !to.velocity.has_integral {
             self.velocity.reset_integral();
         }
-        self.settle_filters = true;
+        if from.velocity.observer.is_none() {
+            // An observer that begins in motion; one with another bandwidth continues.
+            self.velocity = self.velocity.observing(to.velocity.last_difference(&self.velocity));
+        }
+        (self.settle_filters, self.is_usual) = (true, false);
         self.velocity_transfer.start(self.velocity_command);
         self.force_transfer.start(self.filtered_force);
     }
@@ -141,6 +156,19 @@ impl<S: Scalar> AxisState<S> {
         config.monitor.position(&mut self.monitor, &input)
     }
 
+    /// The PI law of an axis with an observer, and in the first tick after a start or a change.
+    #[cold]
+    #[inline(never)]
+    fn unusual_pi(&mut self, config: &AxisConfig<S>, motor: Position) -> PiOutput<S> {
+        let pi = config.velocity.pi_output(&mut self.velocity, self.velocity_command, motor);
+        if self.settle_filters {
+            self.settle_filters = false;
+            self.settle_filters_at(pi.force);
+        }
+        self.is_usual = config.velocity.observer.is_none();
+        pi
+    }
+
     /// The velocity loop, once per tick. `compensation` is added to its force. Returns the force until the next tick.
     #[inline(never)]
     pub fn velocity_tick(
@@ -149,12 +177,12 @@ impl<S: Scalar> AxisState<S> {
         reading: Reading,
         compensation: S,
     ) -> (S, FaultSet) {
-        let pi = config.velocity.pi_output(&mut self.velocity, self.velocity_command, reading.motor);
+        let pi = if self.is_usual {
+            config.velocity.pi_by_difference(&mut self.velocity, self.velocity_command, reading.motor)
+        } else {
+            self.unusual_pi(config, reading.motor)
+        };
         let mut filtered = pi.force;
-        if self.settle_filters {
-            self.settle_filters = false;
-            self.settle_filters_at(filtered);
-        }
         for (notch, state) in config.notches.iter().map_while(Option::as_ref).zip(&mut self.notches) {
             filtered = notch.step(state, filtered);
         }

@@ -18,6 +18,7 @@ mod lockstep;
 mod machine;
 mod monitor;
 mod notches;
+mod observer;
 mod path;
 mod safety;
 mod slide;

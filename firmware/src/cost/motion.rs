@@ -6,7 +6,9 @@ use shared::compensate::settings::{
     Cycle, Factor, ForceModel, FrictionWarmUp, Pitch, PitchSource, Points, Product, Reversal, Straightness,
     Stribeck, TableFriction, Talk, TimePoints,
 };
-use shared::config::{AxisSettings, Law, LowPass, Notch, Notches, Rates, ScaleLimits, Sensors};
+use shared::config::{
+    AxisSettings, Law, LowPass, Notch, Notches, Rates, ScaleLimits, Sensors, VelocitySource,
+};
 use shared::interpolate::{Block, Ramps, Smoothing};
 use shared::machine::{Machine, Output};
 use shared::scalar::Scalar;
@@ -260,12 +262,27 @@ fn compensated<S: Scalar>(
     ready(machine, program)
 }
 
+/// An axis as [`full_axis`], without filters.
+fn plain_axis() -> AxisSettings {
+    AxisSettings { notches: Notches::NONE, low_pass: None, smoothing: Smoothing::None, ..full_axis() }
+}
+
+/// An axis without filters, with an observer of its velocity.
+#[must_use]
+pub fn observed_axis() -> AxisSettings {
+    AxisSettings { velocity_source: VelocitySource::Observer { bandwidth_hz: 300.0 }, ..plain_axis() }
+}
+
 /// A machine as [`machine`], with path, loops, dual feedback and monitoring only.
 #[must_use]
 pub fn plain_machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
-    let axis =
-        AxisSettings { notches: Notches::NONE, low_pass: None, smoothing: Smoothing::None, ..full_axis() };
-    ready(Machine::new(RATES, &[axis; AXES], START).ok()?, program)
+    ready(Machine::new(RATES, &[plain_axis(); AXES], START).ok()?, program)
+}
+
+/// A machine as [`plain_machine`], with an observer of each velocity.
+#[must_use]
+pub fn observed_machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
+    ready(Machine::new(RATES, &[observed_axis(); AXES], START).ok()?, program)
 }
 
 fn ready<S: Scalar>(mut machine: Machine<S, AXES>, program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {

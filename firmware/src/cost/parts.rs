@@ -117,7 +117,13 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
     part.of("P", &errors, position::State::default(), |state, &error| p.position.velocity(state, error));
     part.of("HPC", &errors, position::State::default(), |state, &error| all.position.velocity(state, error));
     part.of("PI", &motors, velocity::State::at(reading.motor), |state, &(speed, motor)| {
-        all.velocity.force(state, speed, motor)
+        let pi = all.velocity.pi_by_difference(state, speed, motor);
+        all.velocity.limit(state, &pi, pi.force).0
+    });
+    let observed = AxisConfig::<S>::new(&motion::observed_axis(), RATES).ok()?;
+    part.of("PI with an observer", &motors, velocity::State::at(reading.motor), |state, &(speed, motor)| {
+        let pi = observed.velocity.pi_output(state, speed, motor);
+        observed.velocity.limit(state, &pi, pi.force).0
     });
     part.of("position loop of an axis", others, AxisState::at_rest(command, reading), |state, tick| {
         state.position_tick(all, tick.output.commands[0], Correction::NONE, tick.readings[0])
@@ -144,9 +150,19 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
     part.of("notch", &errors, filter::State::default(), |state, &x| notch.step(state, x));
     part.of("low-pass", &errors, filter::State::default(), |state, &x| low_pass.step(state, x));
     recording(&mut part, others);
+    whole_ticks(&mut part, first, others)
+}
+
+/// Whole ticks of two axes.
+fn whole_ticks<S: Scalar>(part: &mut Parts<'_>, first: &Tick<S>, others: &[Tick<S>]) -> Option<()> {
     let mut plain = motion::plain_machine::<S>(&PROGRAM)?;
     plain.tick(&first.readings);
     part.of("tick of two axes, path and loops", others, plain, |machine, tick| machine.tick(&tick.readings));
+    let mut observed = motion::observed_machine::<S>(&PROGRAM)?;
+    observed.tick(&first.readings);
+    part.of("tick of two axes, with observers", others, observed, |machine, tick| {
+        machine.tick(&tick.readings)
+    });
     let mut nine = motion::nine_machine::<S>(RATES, &PROGRAM)?;
     nine.tick(&first.readings);
     part.of("tick, nine compensations", others, nine, |machine, tick| machine.tick(&tick.readings));

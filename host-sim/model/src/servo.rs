@@ -2,7 +2,7 @@
 
 use shared::config::{
     self, AxisSettings, Brake, GainSchedule, LowPass, Notch, Notches, ScaleLimits, SchedulePoint,
-    ScheduledOver,
+    ScheduledOver, VelocitySource,
 };
 use shared::interpolate::Smoothing;
 
@@ -155,6 +155,7 @@ pub fn settings(axis: &Settings, effects: &ServoParameters) -> Result<AxisSettin
             .ok_or("velocity_gain_n_s_per_m")?,
         gain_schedule: gain_schedule(&axis.schedule),
         velocity_integral_time_s: effects.velocity_integral_time_s(controller),
+        velocity_source: velocity_source(controller),
         velocity_lag_s: 1e-3 * effects.lag.ms,
         force_limit_n: controller.force_limit_n.unwrap_or(UNLIMITED_N),
         sensors: feedback,
@@ -172,6 +173,14 @@ pub fn settings(axis: &Settings, effects: &ServoParameters) -> Result<AxisSettin
         preload_n: holding.preload_n,
         ..defaults
     })
+}
+
+/// From what the velocity loop has its velocity.
+#[must_use]
+pub fn velocity_source(controller: &Controller) -> VelocitySource {
+    controller
+        .velocity_observer_hz
+        .map_or(VelocitySource::Difference, |bandwidth_hz| VelocitySource::Observer { bandwidth_hz })
 }
 
 fn following_error_limit_m(limits: &Limits) -> f64 {

@@ -46,6 +46,8 @@ pub struct Settings {
     pub velocity_window_s: Option<f64>,
     /// Time constant of a filter of the measured velocity; 0: none.
     pub velocity_filter_s: f64,
+    /// Bandwidth of a tracking loop with two equal poles that measures the velocity; none: differences.
+    pub velocity_observer_hz: Option<f64>,
     /// Ticks of the velocity loop from the output of the position loop to the velocity loop.
     pub command_delay_ticks: usize,
     /// Ticks of the velocity loop from the reading to the force.
@@ -66,6 +68,8 @@ pub struct Servo {
     dual_m: f64,
     integral_m: f64,
     filtered_speed: f64,
+    /// Position, m, and velocity, m/s, of the tracking loop.
+    tracked: [f64; 2],
     /// Forces that are computed but not yet commanded, the oldest in front.
     pending_n: VecDeque<f64>,
     force_n: f64,
@@ -82,6 +86,7 @@ impl Servo {
             pending_n,
             pending_m_per_s,
             filtered_speed: 0.0,
+            tracked: [reading_m, 0.0],
             last_command_m: command_m,
             last_reading_m: reading_m,
             set_m_per_s: 0.0,
@@ -149,6 +154,14 @@ impl Servo {
 
     /// The measured velocity, m/s.
     fn speed(&mut self, reading_m: f64, earlier_m: Option<f64>) -> f64 {
+        if let Some(bandwidth_hz) = self.settings.velocity_observer_hz {
+            let kept = libm::exp(-std::f64::consts::TAU * bandwidth_hz * VELOCITY_TICK_S);
+            let [position_m, speed] = &mut self.tracked;
+            let off_m = reading_m - *position_m - VELOCITY_TICK_S * *speed;
+            *position_m += VELOCITY_TICK_S * *speed + (1.0 - kept * kept) * off_m;
+            *speed += (1.0 - kept) * (1.0 - kept) * off_m / VELOCITY_TICK_S;
+            return *speed;
+        }
         let (since_m, window_s) = match (earlier_m, self.settings.velocity_window_s) {
             (Some(earlier_m), Some(window_s)) => (earlier_m, window_s),
             _ => (self.last_reading_m, VELOCITY_TICK_S),
@@ -213,11 +226,17 @@ mod tests {
     fn a_measured_velocity_is_as_old_as_its_window_filter_and_delay_say() {
         let filter_s = 0.45e-3;
         let kept = (-VELOCITY_TICK_S / filter_s).exp();
-        let cases: [(Change, f64); 4] = [
+        let tracked = (-std::f64::consts::TAU * 300.0 * VELOCITY_TICK_S).exp();
+        let cases: [(Change, f64); 5] = [
             (|_| {}, 0.5 * VELOCITY_TICK_S),
             (|settings| settings.velocity_window_s = Some(0.1e-3), 0.05e-3),
             // A ramp behind y = x + kept·(y − x) is kept/(1 − kept) ticks late.
             (|settings| settings.velocity_filter_s = 0.45e-3, VELOCITY_TICK_S * (0.5 + kept / (1.0 - kept))),
+            // Two such filters.
+            (
+                |settings| settings.velocity_observer_hz = Some(300.0),
+                VELOCITY_TICK_S * (0.5 + 2.0 * tracked / (1.0 - tracked)),
+            ),
             (|settings| settings.delay_ticks = 1, 1.5 * VELOCITY_TICK_S),
         ];
         for (change, age_s) in cases {

@@ -4,12 +4,13 @@ use super::check::{finite, gain, gain_over_time, positive, ranged, resolved_gain
 use super::error::ConfigError;
 use super::schedule::schedule;
 use super::settings::{
-    AxisSettings, Brake, Law, LowPass, NOTCHES, Notch, Notches, Rates, ScaleLimits, Sensors,
+    AxisSettings, Brake, Law, LowPass, NOTCHES, Notch, Notches, Rates, ScaleLimits, Sensors, VelocitySource,
 };
 use crate::control::feedforward::Feedforward;
 use crate::control::filter::Filter;
 use crate::control::gain_schedule::Schedule;
 use crate::control::hpc::Hpc;
+use crate::control::observer::{self, Observer};
 use crate::control::position::PositionControl;
 use crate::control::velocity::VelocityControl;
 use crate::feedback::dual::Feedback;
@@ -182,7 +183,16 @@ fn velocity_control<S: Scalar>(
         integral,
         has_integral: settings.velocity_integral_time_s.is_some(),
         force_limit: S::signal(ranged("force_limit_n", limit, 0.0, S::SIGNAL_LIMIT)?),
+        observer: observer(settings.velocity_source, rate)?,
     })
+}
+
+fn observer<S: Scalar>(source: VelocitySource, rate_hz: f64) -> Result<Option<Observer<S>>, ConfigError> {
+    let VelocitySource::Observer { bandwidth_hz } = source else { return Ok(None) };
+    let [least_hz, greatest_hz] =
+        [observer::LEAST_RATIO, observer::GREATEST_RATIO].map(|ratio| ratio * rate_hz);
+    let bandwidth_hz = ranged("velocity_observer_hz", bandwidth_hz, least_hz, greatest_hz)?;
+    Ok(Some(Observer::new(bandwidth_hz / rate_hz)))
 }
 
 fn feedback<S: Scalar>(settings: &AxisSettings, rates: &LoopRates) -> Result<Feedback<S>, ConfigError> {

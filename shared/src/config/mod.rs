@@ -33,5 +33,5 @@ pub use envelope::AxisEnvelope;
 pub use error::ConfigError;
 pub use settings::{
     AxisSettings, Brake, GainSchedule, Law, LowPass, NOTCHES, Notch, Notches, Rates, SCHEDULE_POINTS,
-    ScaleLimits, SchedulePoint, ScheduledOver, Sensors,
+    ScaleLimits, SchedulePoint, ScheduledOver, Sensors, VelocitySource,
 };

@@ -31,6 +31,31 @@ pub enum Law {
     Hpc,
 }
 
+/// From what the velocity loop has the velocity of the motor.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum VelocitySource {
+    /// The difference of two readings.
+    Difference,
+    /// A tracking observer ([`crate::control::observer`]).
+    Observer {
+        /// ω/2π of its two poles, 0.001 to 0.25 times the rate of the velocity loop.
+        bandwidth_hz: f64,
+    },
+}
+
+impl VelocitySource {
+    /// Mean age of the velocity beyond that of the difference, ticks of a velocity loop with this rate: 2r/(1 − r), r = e^(−ωT).
+    #[must_use]
+    pub fn age_ticks(self, velocity_loop_hz: f64) -> f64 {
+        match self {
+            Self::Difference => 0.0,
+            Self::Observer { bandwidth_hz } => {
+                2.0 / libm::expm1(2.0 * core::f64::consts::PI * bandwidth_hz / velocity_loop_hz)
+            }
+        }
+    }
+}
+
 /// Sensors that close the position loop, with the limits beyond which their readings switch the drives off.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Sensors {
@@ -220,7 +245,9 @@ pub struct AxisSettings {
     pub gain_schedule: Option<GainSchedule>,
     /// Integral time Ti of the velocity loop; `None`: no integral part.
     pub velocity_integral_time_s: Option<f64>,
-    /// Delay of the velocity reading beyond that of a plain difference, 0 to one tick.
+    /// From what the velocity loop has its velocity.
+    pub velocity_source: VelocitySource,
+    /// Delay of the velocity reading beyond that of a plain difference, 0 to one tick. An observer has its own in addition.
     pub velocity_lag_s: f64,
     /// Notch filters of the force, which act in this order.
     pub notches: Notches,
@@ -262,6 +289,7 @@ impl Default for AxisSettings {
             velocity_gain_n_s_per_m: 50_000.0,
             gain_schedule: None,
             velocity_integral_time_s: Some(0.02),
+            velocity_source: VelocitySource::Difference,
             velocity_lag_s: 0.0,
             notches: Notches::NONE,
             low_pass: None,

@@ -1,4 +1,5 @@
-//! The velocity loop: force = Kv·(ev + ∫ev dt/Ti), with ev = velocity command − differenced motor reading.
+//! The velocity loop: force = Kv·(ev + ∫ev dt/Ti), with ev = velocity command − velocity of the motor. That is the difference of its
+//! readings, or an [`observer`] of it.
 //!
 //! The integral is the sum of ev·T up to and including the present tick (backward Euler), not rounded.
 //!
@@ -30,6 +31,7 @@
 //! }
 //! ```
 
+use super::observer::{self, Observer};
 use crate::scalar::Scalar;
 use crate::units::Position;
 
@@ -49,6 +51,8 @@ pub struct VelocityControl<S: Scalar> {
     pub has_integral: bool,
     /// Limit of the force in both directions.
     pub force_limit: S,
+    /// Observer of the velocity; `None`: the velocity is the difference.
+    pub observer: Option<Observer<S>>,
 }
 
 /// State of the velocity loop.
@@ -57,6 +61,8 @@ pub struct State<S: Scalar> {
     last: Position,
     last_increment: S,
     integral: S::Sum,
+    /// Not used without an observer.
+    observer: observer::State<S>,
 }
 
 /// Output of the PI law, before filters and force limit.
@@ -72,7 +78,18 @@ impl<S: Scalar> State<S> {
     /// At rest at a motor reading.
     #[must_use]
     pub const fn at(motor: Position) -> Self {
-        Self { last: motor, last_increment: S::ZERO, integral: S::ZERO_SUM }
+        Self {
+            last: motor,
+            last_increment: S::ZERO,
+            integral: S::ZERO_SUM,
+            observer: observer::State::AT_REST,
+        }
+    }
+
+    /// The loop with an observer settled at a velocity, velocity units.
+    #[must_use]
+    pub fn observing(self, velocity: S) -> Self {
+        Self { observer: observer::State::at(velocity), ..self }
     }
 
     /// The loop after the motor reading has been shifted by a distance, position units.
@@ -101,13 +118,40 @@ impl<S: Scalar> State<S> {
 impl<S: Scalar> VelocityControl<S> {
     /// The PI law for a velocity command (velocity units) and a motor reading.
     pub fn pi_output(&self, state: &mut State<S>, command: S, motor: Position) -> PiOutput<S> {
+        let Some(observer) = &self.observer else { return self.pi_by_difference(state, command, motor) };
+        let distance = motor - state.last;
+        let difference = self.difference(state, motor);
+        // What the increment leaves of the distance is part of the next one.
+        state.last = motor - S::increment_rounding(distance);
+        let velocity = observer.step(&mut state.observer, difference);
+        self.pi(state, command - velocity)
+    }
+
+    /// [`VelocityControl::pi_output`] of a loop without an observer: a tick that knows this does not test for one.
+    pub fn pi_by_difference(&self, state: &mut State<S>, command: S, motor: Position) -> PiOutput<S> {
+        let velocity = S::round(self.difference(state, motor));
+        self.pi(state, command - velocity)
+    }
+
+    /// The velocity by the difference of the readings, not rounded.
+    fn difference(&self, state: &mut State<S>, motor: Position) -> S::Sum {
         let increment = S::from_increment(motor - state.last);
-        let velocity = S::round(increment * self.rate + state.last_increment * self.previous_rate);
+        let difference = increment * self.rate + state.last_increment * self.previous_rate;
         state.last = motor;
         state.last_increment = increment;
-        let error = command - velocity;
+        difference
+    }
+
+    fn pi(&self, state: &State<S>, error: S) -> PiOutput<S> {
         let integral = state.integral + error * self.integral;
         PiOutput { force: S::round(error * self.proportional + integral), error, integral }
+    }
+
+    /// The velocity of the last difference, velocity units.
+    #[must_use]
+    pub fn last_difference(&self, state: &State<S>) -> S {
+        let increment = state.last_increment;
+        S::round(increment * self.rate + increment * self.previous_rate)
     }
 
     /// Limits the force after filters and compensation; also returns whether the limit is active. Stores the new integral,

@@ -153,6 +153,10 @@ impl Scalar for Fixed {
         Self::from_bits(narrow::<10>(distance))
     }
 
+    fn increment_rounding(distance: i64) -> i64 {
+        distance & ((1 << 10) - 1)
+    }
+
     #[expect(clippy::cast_possible_truncation, reason = "32 bits within ±144 m")]
     fn from_position(position: Position) -> Self {
         Self::from_bits((position.0 >> 26) as i32)
@@ -198,6 +202,10 @@ impl Scalar for Fixed {
 
     fn round(sum: I26F38) -> Self {
         Self::from_bits(narrow::<24>(sum.to_bits()))
+    }
+
+    fn rounding(sum: I26F38) -> I26F38 {
+        I26F38::from_bits(sum.to_bits() & ((1 << 24) - 1))
     }
 
     fn exceeds(self, limit: Self) -> bool {

@@ -76,6 +76,10 @@ macro_rules! float {
                 distance as $float * UNIT
             }
 
+            fn increment_rounding(_distance: i64) -> i64 {
+                0
+            }
+
             fn from_position(position: Position) -> $float {
                 const UNIT: $float = 1.0 / (1u64 << 40) as $float;
                 position.0 as $float * UNIT
@@ -129,6 +133,10 @@ macro_rules! float {
 
             fn round(sum: $float) -> $float {
                 sum
+            }
+
+            fn rounding(_sum: $float) -> $float {
+                0.0
             }
 
             fn sum_exceeds(sum: $float, limit: $float) -> bool {

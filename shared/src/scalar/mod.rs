@@ -121,6 +121,9 @@ pub trait Scalar:
     fn from_distance(distance: i64) -> Self;
     /// A distance in position units as an increment per tick (unit 16 nm), rounded (in fixed point towards −∞), saturated.
     fn from_increment(distance: i64) -> Self;
+    /// What the rounding of [`Scalar::from_increment`] leaves of a distance that it does not saturate, position units: not negative, and less than
+    /// a step. 0 in floating point, whose signals have no step.
+    fn increment_rounding(distance: i64) -> i64;
     /// A position in units of [`SCALED_POSITION_M`](crate::units::SCALED_POSITION_M), rounded towards −∞; exact to 64 nm within
     /// the travel of [`TRAVEL_LIMIT_M`](crate::units::TRAVEL_LIMIT_M).
     fn from_position(position: Position) -> Self;
@@ -145,6 +148,10 @@ pub trait Scalar:
     fn widen(self) -> Self::Sum;
     /// The sum as a signal, rounded (in fixed point towards −∞), saturated.
     fn round(sum: Self::Sum) -> Self;
+
+    /// What the rounding of [`Scalar::round`] leaves of a sum that it does not saturate: not negative, and less than a step of a signal. 0 in
+    /// floating point.
+    fn rounding(sum: Self::Sum) -> Self::Sum;
 
     /// Whether the magnitude of the signal exceeds `limit`, which is not negative; true for a NaN.
     #[must_use]

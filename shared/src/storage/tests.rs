@@ -316,7 +316,8 @@ fn the_version_is_that_of_the_stored_types() {
     use crate::compensate::CompensationSettings;
     use crate::compensate::settings::{Cycle, ForceModel, Reversal};
     use crate::config::{
-        AxisSettings, GainSchedule, Notch, Notches, Rates, ScaleLimits, SchedulePoint, ScheduledOver, Sensors,
+        AxisSettings, GainSchedule, Notch, Notches, Rates, ScaleLimits, SchedulePoint, ScheduledOver,
+        Sensors, VelocitySource,
     };
     use crate::link::message::UploadKind;
     let axis = AxisSettings {
@@ -326,6 +327,7 @@ fn the_version_is_that_of_the_stored_types() {
             ScheduledOver::Speed,
             [SchedulePoint { at: 0.0, ratio: 2.0 }, SchedulePoint { at: 0.25, ratio: 1.0 }],
         ),
+        velocity_source: VelocitySource::Observer { bandwidth_hz: 300.0 },
         travel_m: Some([-0.125, 0.5]),
         ..AxisSettings::default()
     };
@@ -353,5 +355,5 @@ fn the_version_is_that_of_the_stored_types() {
     assert_eq!(reader.message::<CompensationSettings, _>(&mut store, &mut buffer), Ok(compensation));
     let header = &store.flash.bytes_mut()[..32];
     let checksum = u32::from_le_bytes([header[20], header[21], header[22], header[23]]);
-    assert_eq!((VERSION, checksum), (5, 0x83b2_5c37));
+    assert_eq!((VERSION, checksum), (6, 0xa470_003c));
 }

@@ -1,7 +1,7 @@
 //! A simulated axis of 120 mm with a home switch, limit switches, an encoder with an index pulse every 5 mm, and a scale.
 
 use crate::slide::Slide;
-use shared::config::{AxisSettings, Rates, ScaleLimits, Sensors};
+use shared::config::{AxisSettings, Rates, ScaleLimits, Sensors, VelocitySource};
 use shared::drive::{Amplifier, AxisInputs, Board, DriveSystem, Duty, EnableSwitch, Inputs, StatusLight};
 use shared::feedback::Reading;
 use shared::homing::{AtLimit, Direction, HomingSettings, HomingStatus, Mark};
@@ -37,6 +37,7 @@ const fn default_settings() -> AxisSettings {
         velocity_gain_n_s_per_m: 3000.0,
         gain_schedule: None,
         velocity_integral_time_s: Some(0.02),
+        velocity_source: VelocitySource::Difference,
         velocity_lag_s: 0.0,
         notches: shared::config::Notches::NONE,
         low_pass: None,

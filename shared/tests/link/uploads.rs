@@ -3,7 +3,7 @@
 use embedded_storage::nor_flash::NorFlash;
 use serde::Serialize;
 use shared::compensate::CompensationSettings;
-use shared::config::Rates;
+use shared::config::{Rates, VelocitySource};
 use shared::link::message::{BoardSettings, LONGEST_UPLOAD, PART, Reply, Request, UploadKind};
 use shared::link::packet;
 use shared::link::refusal::{SettingProblem, UploadError};
@@ -87,6 +87,27 @@ fn a_wrong_setting_is_refused_by_name_and_changes_nothing() {
     assert_eq!(rig.request(&Request::Enable), Reply::Done);
     rig.run(2);
     assert_eq!(rig.request(&jog_by(0.02)), Reply::Done);
+}
+
+/// An observer of the velocity is applied with its bandwidth; one beyond its range is refused with it, and changes nothing.
+#[test]
+fn an_observer_of_the_velocity_is_applied_or_refused_by_name() {
+    let with = |bandwidth_hz| {
+        changed(|settings| settings.axes[1].velocity_source = VelocitySource::Observer { bandwidth_hz })
+    };
+    let mut rig = Rig::new();
+    let before = state(&mut rig);
+    for bandwidth_hz in [19.0, 5001.0] {
+        let Reply::Refused(Refusal::Setting { axis, name, problem }) =
+            upload(&mut rig, UploadKind::Settings, &with(bandwidth_hz))
+        else {
+            panic!("not refused")
+        };
+        let range = SettingProblem::OutOfRange { min: 20.0, max: 5000.0 };
+        assert_eq!((axis, name.as_str(), problem), (1, "velocity_observer_hz", range));
+        assert_eq!(state(&mut rig), before);
+    }
+    assert_eq!(upload(&mut rig, UploadKind::Settings, &with(300.0)), Reply::Done);
 }
 
 #[test]

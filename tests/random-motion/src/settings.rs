@@ -7,7 +7,7 @@ use shared::compensate::settings::{
 };
 use shared::config::{
     AxisSettings, Brake, GainSchedule, Law, LowPass, Notch, Notches, Rates, SCHEDULE_POINTS, ScaleLimits,
-    SchedulePoint, ScheduledOver, Sensors,
+    SchedulePoint, ScheduledOver, Sensors, VelocitySource,
 };
 use shared::interpolate::{Block, Ramps, Smoothing};
 
@@ -63,6 +63,9 @@ pub fn axis(draws: &mut Draws, gain_error: f64) -> AxisSettings {
             .one_in(4)
             .then(|| Brake { release_s: draws.between(0.0, 2e-3), engage_s: draws.between(0.0, 2e-3) }),
         preload_n: draws.maybe(|draws| draws.between(-50.0, 50.0)),
+        velocity_source: draws
+            .maybe(|draws| draws.between(100.0, 2000.0))
+            .map_or(VelocitySource::Difference, |bandwidth_hz| VelocitySource::Observer { bandwidth_hz }),
     }
 }
 

@@ -253,7 +253,7 @@ mod all_features {
     use shared::compensate::{CompensationKind, CompensationSettings};
     use shared::config::{
         AxisSettings, GainSchedule, Law, LowPass, Notch, Notches, Rates, ScaleLimits, SchedulePoint,
-        ScheduledOver, Sensors,
+        ScheduledOver, Sensors, VelocitySource,
     };
     use shared::interpolate::{Block, Ramps, Smoothing};
     use shared::lockstep::protocol::{LONGEST_ORDER, PART, Part, Setup};
@@ -276,6 +276,7 @@ mod all_features {
                     .map(|(at, ratio)| SchedulePoint { at, ratio }),
             ),
             velocity_integral_time_s: Some(0.02),
+            velocity_source: VelocitySource::Observer { bandwidth_hz: 700.0 },
             velocity_lag_s: 25e-6,
             notches: Notches(
                 [300.0, 700.0, 150.0, 1200.0]

@@ -2,12 +2,12 @@
 //!
 //! In a tick the sensors are read first. In every n-th tick the position loop computes the velocity command, which is held for n
 //! ticks; in every tick the velocity loop computes the force, which is held for one tick. The equations are those of
-//! `shared`: `control/velocity.rs`, `control/filter.rs`, `control/hpc.rs`, `feedback/dual.rs`.
+//! `shared`: `control/velocity.rs`, `control/observer.rs`, `control/filter.rs`, `control/hpc.rs`, `feedback/dual.rs`.
 
 use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVector};
-use shared::config::{AxisSettings, Law, Rates, Sensors};
+use shared::config::{AxisSettings, Law, Rates, Sensors, VelocitySource};
 
 use super::mechanics::{Condition, Mechanics};
 use super::sampled::Sampled;
@@ -42,6 +42,8 @@ struct VelocityLoop {
     integral: f64,
     /// Factors of the present and of the last increment of the reading, 1/s.
     rates: [f64; 2],
+    /// 1 − r of an observer; `None`: the velocity is the difference.
+    observer: Option<f64>,
 }
 
 /// Constants of a filter of the force, as in `shared/src/control/filter.rs`.
@@ -122,7 +124,17 @@ struct State {
     last_reading: f64,
     last_increment: f64,
     integral: f64,
+    /// Both stages of an observer, if there is one.
+    observer: Vec<f64>,
     filters: Vec<[f64; 2]>,
+}
+
+/// 1 − r of an observer.
+fn observer(source: VelocitySource, tick_s: f64) -> Option<f64> {
+    match source {
+        VelocitySource::Difference => None,
+        VelocitySource::Observer { bandwidth_hz } => Some(-libm::expm1(-2.0 * PI * bandwidth_hz * tick_s)),
+    }
 }
 
 impl LinearAxis {
@@ -159,6 +171,7 @@ impl LinearAxis {
                 gain,
                 integral: settings.velocity_integral_time_s.map_or(0.0, |time_s| gain * tick_s / time_s),
                 rates: [(1.0 - lag) / tick_s, lag / tick_s],
+                observer: observer(settings.velocity_source, tick_s),
             },
             filters: notches.chain(low_pass).collect(),
             motor_latency: Latency::new(instruments.motor_latency_s + late_s, tick_s),
@@ -259,7 +272,14 @@ impl LinearAxis {
             (motor_past, self.table_latency.step(&state.table_past, table, self.tick_s).1);
         let increment = motor - state.last_reading;
         let [rate, last_rate] = self.velocity.rates;
-        let error = command - rate * increment - last_rate * state.last_increment;
+        let mut velocity = rate * increment + last_rate * state.last_increment;
+        if let Some(gain) = self.velocity.observer {
+            for stage in &mut next.observer {
+                *stage += gain * (velocity - *stage);
+                velocity = *stage;
+            }
+        }
+        let error = command - velocity;
         (next.last_reading, next.last_increment) = (motor, increment);
         // The integral has the unit of a velocity, so that all states are of similar magnitude.
         let has_integral = self.velocity.integral > 0.0;
@@ -279,11 +299,16 @@ impl LinearAxis {
         (next, wanted_n)
     }
 
+    fn observer_states(&self) -> usize {
+        if self.velocity.observer.is_some() { 2 } else { 0 }
+    }
+
     fn states(&self) -> usize {
         self.mechanics.states()
             + self.motor_latency.states()
             + self.table_latency.states()
             + 3
+            + self.observer_states()
             + 2 * self.filters.len()
     }
 
@@ -291,6 +316,7 @@ impl LinearAxis {
         let (mechanics, rest) = vector.split_at(self.mechanics.states());
         let (motor_past, rest) = rest.split_at(self.motor_latency.states());
         let (table_past, rest) = rest.split_at(self.table_latency.states());
+        let (observer, filters) = rest[3..].split_at(self.observer_states());
         State {
             mechanics: mechanics.to_vec(),
             motor_past: motor_past.to_vec(),
@@ -298,7 +324,8 @@ impl LinearAxis {
             last_reading: rest[0],
             last_increment: rest[1],
             integral: rest[2],
-            filters: rest[3..].as_chunks().0.to_vec(),
+            observer: observer.to_vec(),
+            filters: filters.as_chunks().0.to_vec(),
         }
     }
 }
@@ -309,6 +336,7 @@ impl State {
         vector.extend(&self.motor_past);
         vector.extend(&self.table_past);
         vector.extend([self.last_reading, self.last_increment, self.integral]);
+        vector.extend(&self.observer);
         vector.extend(self.filters.as_flattened());
         vector
     }

@@ -61,6 +61,9 @@ pub struct ControllerKeys {
     /// Ti, s; absent: no integral part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity_integral_time_s: Option<f64>,
+    /// Bandwidth of the observer of the velocity, Hz; absent: none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity_observer_hz: Option<f64>,
     /// Centre of each notch, Hz.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub notch_frequency_hz: Option<PerNotch>,
@@ -86,6 +89,7 @@ impl From<&Settings> for ControllerKeys {
             position_gain_per_s: controller.position_gain_per_s,
             velocity_gain_n_s_per_m: controller.velocity_gain_n_s_per_m,
             velocity_integral_time_s: controller.velocity_integral_time_s,
+            velocity_observer_hz: controller.velocity_observer_hz,
             notch_frequency_hz: filters.notch_frequency_hz.clone(),
             notch_width_hz: filters.notch_width_hz.clone(),
             notch_depth: filters.notch_depth.clone(),

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Complex;
-use shared::config::{AxisSettings, Law, Rates, Sensors};
+use shared::config::{AxisSettings, Law, Rates, Sensors, VelocitySource};
 
 use super::spectrum::Line;
 
@@ -87,7 +87,7 @@ impl Point {
 }
 
 /// The velocity command of the position loop over the velocity that the velocity loop gets, for a motor that moves. The command is that of
-/// the last position tick: the mean of the ticks of its hold. The motor's velocity is the difference of two ticks.
+/// the last position tick: the mean of the ticks of its hold. The motor's velocity is the difference of two ticks, or that of an observer.
 fn ratio(line: &Line, settings: &AxisSettings, rates: Rates) -> Option<Complex<f64>> {
     if settings.law != Law::P || settings.velocity_lag_s.abs() > 0.0 {
         return None;
@@ -103,8 +103,22 @@ fn ratio(line: &Line, settings: &AxisSettings, rates: Rates) -> Option<Complex<f
         return None;
     }
     let difference = (Complex::from(1.0) - Complex::from_polar(1.0, -angle)) / tick_s;
+    let velocity = difference * observed(settings.velocity_source, angle, tick_s);
     let divider = rates.position_loop_divider.max(1);
     let held: Complex<f64> =
         (0..divider).map(|tick| Complex::from_polar(1.0, -angle * f64::from(tick))).sum();
-    Some(position * settings.position_gain_per_s * held / f64::from(divider) / difference)
+    Some(position * settings.position_gain_per_s * held / f64::from(divider) / velocity)
+}
+
+/// The velocity that an observer gives over that of the difference, at an angle per tick: ((1 − r)/(1 − r/z))², as in
+/// `shared/src/control/observer.rs`.
+fn observed(source: VelocitySource, angle: f64, tick_s: f64) -> Complex<f64> {
+    match source {
+        VelocitySource::Difference => Complex::from(1.0),
+        VelocitySource::Observer { bandwidth_hz } => {
+            let r = libm::exp(-TAU * bandwidth_hz * tick_s);
+            let stage = (1.0 - r) / (Complex::from(1.0) - Complex::from_polar(r, -angle));
+            stage * stage
+        }
+    }
 }

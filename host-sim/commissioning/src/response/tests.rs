@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::Complex;
-use shared::config::{AxisSettings, Law, Rates, Sensors};
+use shared::config::{AxisSettings, Law, Rates, Sensors, VelocitySource};
 use shared::excitation::Excitation;
 use shared::feedback::Reading;
 use shared::machine::Machine;
@@ -107,6 +107,29 @@ fn the_response_of_a_rigid_axis_is_that_of_its_mass_and_its_controller() {
         assert!(close(point.closed_loop() * (1.0 + point.open_loop), point.open_loop, 1e-9));
     }
     assert!(resonances(&points).is_empty());
+}
+
+/// With an observer the velocity loop is that with the difference times ((1 − r)/(1 − r/z))², and the position loop follows from it as
+/// before.
+#[test]
+fn the_response_with_an_observer_is_that_of_its_two_stages() {
+    let plan = Plan::new(&RANGE, RATES.velocity_loop_hz).unwrap();
+    let velocity_source = VelocitySource::Observer { bandwidth_hz: 300.0 };
+    let observed = measure(&plan, &AxisSettings { velocity_source, ..settings() }, 2);
+    let points = measure(&plan, &settings(), 2);
+    let r = (-TAU * 300.0 / RATES.velocity_loop_hz).exp();
+    for (point, observed) in points.iter().zip(&observed) {
+        let hz = point.frequency_hz;
+        let angle = TAU * hz / RATES.velocity_loop_hz;
+        let stage = (1.0 - r) / (Complex::from(1.0) - Complex::from_polar(r, -angle));
+        let [velocity, position] = point.loops.unwrap();
+        let [with, position_with] = observed.loops.unwrap();
+        // The force is rounded: 2e-5 of a loop that is 7e-4 at 2 kHz.
+        let expected = velocity * stage * stage;
+        assert!((with - expected).norm() < 2e-3 * expected.norm() + 2e-5, "{hz} Hz: {with} {expected}");
+        let expected = position * (1.0 + velocity) / velocity * with / (1.0 + with) / (stage * stage);
+        assert!(hz > 500.0 || close(position_with, expected, 5e-3), "{hz} Hz: {position_with} {expected}");
+    }
 }
 
 /// Kv/(m·ω) is 1 at 64 Hz. At 3 dB more gain the crossover is higher by this factor.

@@ -23,6 +23,8 @@ macro_rules! axis_keys {
                 velocity_gain_n_s_per_m: Option<f64> [Positive],
                 /// Ti, integral time of the velocity loop; absent: no integral part.
                 velocity_integral_time_s: Option<f64> [Positive],
+                /// Bandwidth of the observer of the velocity; absent: the velocity is the difference of two readings.
+                velocity_observer_hz: Option<f64> [Positive],
                 /// Largest force of the drive; absent: not limited.
                 force_limit_n: Option<f64> [Positive],
             }

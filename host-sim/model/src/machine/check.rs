@@ -134,6 +134,7 @@ struct Context<'a> {
 const OF_VELOCITY_LOOP: &[&str] = &[
     "velocity_gain_n_s_per_m",
     "velocity_integral_time_s",
+    "velocity_observer_hz",
     "gain_schedule_position_mm",
     "gain_schedule_speed_mm_per_s",
     "gain_schedule_ratio",

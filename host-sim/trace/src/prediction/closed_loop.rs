@@ -117,7 +117,7 @@ pub fn closed_loop(
     let known_table_m = if is_settled { motion.table_m + table_zero_m } else { motor };
     let reading_before =
         Reading { motor: before(motor, velocity), table: Some(before(known_table_m, velocity)) };
-    let mut state = AxisState::<f64>::at_rest(command_before, reading_before);
+    let mut state = AxisState::<f64>::at_rest(command_before, reading_before).moving(velocity);
     let mut readings = ControllerReadings::new(&parameters.servo, tick_s, read(&motion, 0), &motion);
     let mut force_path = ForcePath::new(&parameters.servo, tick_s, motion.drive_n);
 

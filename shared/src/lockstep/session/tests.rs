@@ -3,7 +3,7 @@ extern crate std;
 use proptest::prelude::*;
 
 use super::*;
-use crate::config::{AxisSettings, Law, Rates, ScaleLimits, Sensors};
+use crate::config::{AxisSettings, Law, Rates, ScaleLimits, Sensors, VelocitySource};
 use crate::interpolate::block::Shape;
 use crate::interpolate::{Block, Joint, PathError, Ramps, Smoothing};
 use crate::lockstep::protocol::{PART, encode};
@@ -124,6 +124,11 @@ fn axis() -> impl Strategy<Value = AxisSettings> {
             feedforward_percent: kf,
             velocity_gain_n_s_per_m: kv,
             velocity_integral_time_s: ti,
+            velocity_source: if hpc {
+                VelocitySource::Observer { bandwidth_hz: kp }
+            } else {
+                VelocitySource::Difference
+            },
             velocity_lag_s: 0.0,
             force_limit_n,
             sensors,

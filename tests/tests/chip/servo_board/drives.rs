@@ -99,6 +99,27 @@ fn a_gain_schedule_is_uploaded_and_one_beyond_its_ratios_is_refused() {
     assert!(settings().starts_with("settings: uploaded"), "{}", settings());
 }
 
+/// With an observer of the velocity, the axes move as far as without; one that the loop rate does not allow is refused with its range.
+#[test]
+fn an_observer_of_the_velocity_is_uploaded_and_one_beyond_its_range_is_refused() {
+    let Some(board) = EmulatedBoard::armed() else { return };
+    let machine = std::fs::read_to_string(EmulatedBoard::file("host-sim/machines/bench.toml")).unwrap();
+    let gain = "velocity_gain_n_s_per_m = 3000.0\n";
+    let upload = |hz: &str| {
+        let keys = format!("{gain}velocity_observer_hz = {hz}\n");
+        std::fs::write(board.path().join("machine.toml"), machine.replace(gain, &keys)).unwrap();
+        "board upload --port bench --machine machine.toml"
+    };
+    for beyond in ["19", "5001"] {
+        let refused = board.fails(2, upload(beyond));
+        let range = "velocity_observer_hz: expected a number from 20 to 5000";
+        assert!(refused.contains(range), "{refused}");
+    }
+    board.succeeds(upload("300"));
+    board.succeeds("board enable --port bench");
+    board.succeeds("board jog --port bench --axis x --by-mm 2");
+}
+
 /// Nothing moves, and there is no fault: the commands say so.
 #[test]
 fn commands_without_an_effect_say_so() {

@@ -49,6 +49,35 @@ fn a_filter_of_the_velocity_is_named() {
     assert_value(found(&trace, 0, "velocity_lag"), "time_constant_ms", 0.5, 0.1 * TICK_MS);
 }
 
+/// A machine whose velocity loops have an observer of 300 Hz, with this bandwidth in its file; `None`: with no such key.
+fn observed(declared_hz: Option<f64>) -> TestMachine {
+    let mut machine = TestMachine::new(P);
+    for (axis, declared) in machine.drawn.axes.iter_mut().zip(&mut machine.drawn.declared) {
+        axis.servo.velocity_observer_hz = Some(300.0);
+        let gain = "\nvelocity_gain_n_s_per_m";
+        if let Some(hz) = declared_hz {
+            declared.text = declared.text.replacen(gain, &format!("\nvelocity_observer_hz = {hz}{gain}"), 1);
+        }
+    }
+    machine
+}
+
+/// The tracking loop of the second simulator is that of the controller: nothing of it is left.
+#[test]
+fn a_declared_observer_of_the_velocity_leaves_nothing() {
+    let trace = observed(Some(300.0)).trace();
+    assert_eq!((named(&trace), beyond_tolerance(&trace)), (vec![], vec![]), "{}", context(&trace));
+}
+
+/// Two filters with 0.53 ms each are told as a filter of the velocity, and as nothing else.
+#[test]
+fn an_undeclared_observer_of_the_velocity_is_no_other_effect() {
+    let trace = observed(None).trace();
+    assert!(!named(&trace).is_empty(), "{}", context(&trace));
+    assert!(certain(&trace).iter().all(|(_, name)| *name == "velocity_lag"), "{}", context(&trace));
+    assert!(beyond_tolerance(&trace).is_empty(), "{}", context(&trace));
+}
+
 /// A cycle of a bus between position loop and velocity loop, beside a filter of the velocity. Once: nothing, or a velocity gain.
 #[test]
 fn a_late_velocity_command_beside_a_filter_is_named() {

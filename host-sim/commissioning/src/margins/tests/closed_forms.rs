@@ -19,8 +19,13 @@ fn rigid() -> AxisLoops {
 
 /// Rigid, without viscous friction and integral part, with effects.
 fn rigid_with(effects: Vec<Effect>) -> AxisLoops {
+    rigid_changed(|machine| machine.axis[0].effect = effects)
+}
+
+/// Rigid, without viscous friction and integral part, otherwise changed.
+fn rigid_changed(change: impl FnOnce(&mut model::machine::Machine)) -> AxisLoops {
     let mut machine = machine("p", "motor");
-    machine.axis[0].effect = effects;
+    change(&mut machine);
     let settings = &mut machine.axis[0].settings;
     settings.mechanics.stiffness_n_per_um = None;
     settings.mechanics.damping_n_s_per_m = None;
@@ -40,6 +45,40 @@ fn the_velocity_loop_of_a_rigid_mass_has_the_margins_of_its_closed_form() {
     assert!((phase.value - (90.0 - angle.to_degrees())).abs() < 1e-6, "{phase:?}");
     assert!((phase.hz - angle / std::f64::consts::TAU * 4000.0).abs() < 1e-3, "{phase:?}");
     assert_eq!(margins.unstable, None);
+}
+
+/// With an observer L(z) is multiplied by ((1 − r)/(1 − r/z))²: at the phase crossover θ its phase is −90° − θ − 2φ = −180° with
+/// φ = atan(r·sin θ/(1 − r·cos θ)), and at the gain crossover Kv·T/(2m)·cot(θ/2)·(1 − r)²/(1 − 2r·cos θ + r²) = 1. Both are solved by
+/// halving.
+#[test]
+fn an_observer_multiplies_the_velocity_loop_by_its_two_stages() {
+    for bandwidth_hz in [150.0, 300.0, 900.0] {
+        let observed = |machine: &mut model::machine::Machine| {
+            machine.axis[0].settings.controller.velocity_observer_hz = Some(bandwidth_hz);
+        };
+        let margins = rigid_changed(observed).velocity();
+        let (gain, phase) = (margins.gain_db.unwrap().0, margins.phase_deg.unwrap().0);
+        let r = (-std::f64::consts::TAU * bandwidth_hz / 4000.0).exp();
+        let lag = |theta: f64| (r * theta.sin()).atan2(1.0 - r * theta.cos());
+        let magnitude = |theta: f64| {
+            60_000.0 / 4000.0 / 500.0 / (theta / 2.0).tan() * (1.0 - r).powi(2)
+                / (1.0 - 2.0 * r * theta.cos() + r * r)
+        };
+        let solved = |is_above: &dyn Fn(f64) -> bool| {
+            let halve = |[low, high]: [f64; 2], _| {
+                let middle = 0.5 * (low + high);
+                if is_above(middle) { [low, middle] } else { [middle, high] }
+            };
+            (0..60).fold([1e-6, 3.0], halve)[0]
+        };
+        let turned = |theta: f64| std::f64::consts::FRAC_PI_2 + theta + 2.0 * lag(theta);
+        let theta = solved(&|theta| turned(theta) > std::f64::consts::PI);
+        assert!((gain.value + 20.0 * magnitude(theta).log10()).abs() < 1e-6, "{bandwidth_hz}: {gain:?}");
+        assert!((gain.hz - theta / std::f64::consts::TAU * 4000.0).abs() < 1e-3, "{bandwidth_hz}: {gain:?}");
+        let theta = solved(&|theta| magnitude(theta) < 1.0);
+        let expected = 180.0 - turned(theta).to_degrees();
+        assert!((phase.value - expected).abs() < 1e-6, "{bandwidth_hz}: {phase:?}, not {expected}");
+    }
 }
 
 /// A delay of n periods turns L(z) by −n·θ, and leaves its magnitude.

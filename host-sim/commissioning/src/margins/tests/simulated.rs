@@ -80,6 +80,19 @@ fn the_highest_stable_gain_is_that_of_the_simulated_loop() {
     }
 }
 
+/// The observer of the velocity, with and without an average before it.
+#[test]
+fn an_observer_is_part_of_the_loop() {
+    let mut machine = machine("p", "motor");
+    let without = limit_is_that_of_the_simulation(&machine, "without an observer");
+    machine.axis[0].settings.controller.velocity_observer_hz = Some(300.0);
+    let with = limit_is_that_of_the_simulation(&machine, "with an observer");
+    assert!(with < without * (1.0 - 4.0 * AGREEMENT), "the observer lowers the limit: {with} {without}");
+    let lag = model::effects::VelocityLag { ms: 0.1 };
+    machine.axis[0].effect.push(model::effects::Effect::VelocityLag(lag));
+    limit_is_that_of_the_simulation(&machine, "with an observer of a late velocity");
+}
+
 /// Filters of the force, and a velocity reading that is averaged.
 #[test]
 fn filters_and_velocity_lag_are_part_of_the_loop() {

@@ -44,7 +44,7 @@ impl Context<'_> {
         Err(self.refuse("smoothing_s", &what))
     }
 
-    /// The filters of the force.
+    /// The filters of the force, and the observer of the velocity.
     pub(super) fn filters(&self, velocity_loop_hz: f64) -> Result<(), InputError> {
         let filters = &self.settings.filters;
         self.notches()?;
@@ -57,7 +57,7 @@ impl Context<'_> {
             &settings, rates,
         ) {
             Err(ConfigError::OutOfRange { name, min, max })
-                if name.starts_with("notch") || name.starts_with("low_pass") =>
+                if ["notch", "low_pass", "velocity_observer"].iter().any(|of| name.starts_with(of)) =>
             {
                 Err(self.refuse(&key(name), &format!("a number from {min} to {max}")))
             }
@@ -72,7 +72,8 @@ impl Context<'_> {
             })?;
         }
         let low_pass = servo::low_pass(filters);
-        check(AxisSettings { low_pass, ..AxisSettings::default() }, &str::to_owned)
+        let velocity_source = servo::velocity_source(&self.settings.controller);
+        check(AxisSettings { low_pass, velocity_source, ..AxisSettings::default() }, &str::to_owned)
     }
 
     /// The keys of the notches have as many numbers each, one for each notch.

@@ -78,6 +78,19 @@ fn an_axis_has_a_gain_schedule() {
     }
 }
 
+/// The bandwidth of the observer is a setting of the controller; without it the velocity is the difference.
+#[test]
+fn an_axis_has_an_observer_of_its_velocity() {
+    use shared::config::VelocitySource;
+    let machine = Machine::parse(&with("velocity_observer_hz = 300.5\n"), "m.toml").unwrap();
+    assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
+    let source = |machine: &Machine| {
+        crate::servo::settings(&machine.axis["y"].settings, &Default::default()).unwrap().velocity_source
+    };
+    assert_eq!(source(&machine), VelocitySource::Observer { bandwidth_hz: 300.5 });
+    assert_eq!(source(&Machine::parse(MACHINE, "m.toml").unwrap()), VelocitySource::Difference);
+}
+
 /// Each notch has its number of each key; a file is written as it was read.
 #[test]
 fn an_axis_has_several_notches() {
@@ -157,6 +170,11 @@ const BAD_LOOPS: &[(&str, &str)] = &[
         "line 7: axis.y.smoothing_time_constant_s: expected no such key, as smoothing_s is given, found 0.3",
     ),
     ("smoothing_time_constant_s = 2e3", "expected a time of at most a million samples, found 2e3"),
+    ("velocity_observer_hz = 0", "axis.y.velocity_observer_hz: expected a number above 0, found 0"),
+    (
+        "velocity_observer_hz = 1001",
+        "line 6: axis.y.velocity_observer_hz: expected a number from 4 to 1000, found 1001",
+    ),
     (
         "gain_schedule_ratio = [1, 2]",
         "axis.y.gain_schedule_position_mm: expected a value beside gain_schedule_ratio",
