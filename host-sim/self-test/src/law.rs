@@ -116,10 +116,11 @@ impl Form {
             Self::OtherVelocity,
             Self::DirectionTimesOther,
         ];
-        match random.random_range(0..11) {
-            9 => Self::Hysteresis(1e-3 * random.random_range(1.0..20.0)),
-            10 => Self::OtherWave(1e-3 * random.random_range(8.0..40.0), random.random_range(0.0..TAU)),
-            index => fixed[index],
+        match random.random_range(0..12) {
+            0 => Self::draw(random),
+            10 => Self::Hysteresis(1e-3 * random.random_range(1.0..20.0)),
+            11 => Self::OtherWave(1e-3 * random.random_range(8.0..40.0), random.random_range(0.0..TAU)),
+            index => fixed[index - 1],
         }
     }
 

@@ -26,6 +26,8 @@ pub enum Reason {
     IntervalContainsZero,
     /// The validation logs refute it.
     Refuted,
+    /// A law describes its stage better without it.
+    DescribedByLaw,
     /// The machine file is that of another machine.
     OtherMachine,
     /// It made up for an effect that was then called by another name.
@@ -44,6 +46,7 @@ impl Reason {
             Self::NotShown => "is too uncertain or within tolerance",
             Self::IntervalContainsZero => "has an interval that contains zero",
             Self::Refuted => "is refuted by the validation logs",
+            Self::DescribedByLaw => "leaves more than a law without it",
             Self::OtherMachine => "is none, as the machine file is that of another machine",
             Self::MadeUpForName => "made up for the name of another effect",
         }

@@ -5,9 +5,14 @@ use crate::fit::axis_data::AxisData;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::exclusion::Exclusion;
 use crate::fit::fit_data::FitData;
+use crate::fit::fitted_axis::FittedAxis;
 use crate::fit::least_squares::{STEPS, derivatives, fit};
 use crate::fit::scope::Scope;
+use crate::fit::scope_fit::ScopeFit;
 use model::effects::Stage;
+
+/// Number of coordinates from which an effect is taken as a map: no other effect of the catalogue has as many.
+const MAP_COORDINATES: usize = 4;
 
 /// The law of what a model leaves of a stage. An exclusion may be an artefact of the law: where the law leaves less without it, it is found without it.
 #[must_use]
@@ -45,6 +50,30 @@ fn law_beside(
     let [fit, validate] =
         [&of_fit, &of_validation].map(|(data, residuals, free)| Left { data, residuals, free });
     law(&fit, &validate, stage, noise)
+}
+
+/// The index of a found map over a position that leaves much of its stage, where a law without the map describes it better than the map, and the
+/// axis without it. The knots of a map take away a part of every wave, and leave a shape that follows no law.
+#[must_use]
+pub fn map_in_place_of_law(data: &AxisData<'_>, axis: &FittedAxis) -> Option<(usize, FittedAxis)> {
+    let AxisData { fit, validate, .. } = data;
+    let verdict = &fit.options.verdict;
+    axis.model.found().iter().enumerate().find_map(|(index, effect)| {
+        let is_map = effect.coordinates().len() >= MAP_COORDINATES;
+        let fit_of = axis.fits.iter().find(|fit| is_map && fit.scope.holds(effect));
+        let ScopeFit { scope, exclusions, .. } = fit_of?;
+        let [stage] = scope.stages[..] else { return None };
+        let [left, left_of_validation] =
+            [fit, validate].map(|data| data.rms(&data.residuals(&axis.model, scope), stage));
+        if left <= verdict.max_certain_ratio * fit.noise(&axis.model, stage).max(verdict.min_noise) {
+            return None;
+        }
+        let without = axis.without(fit, index);
+        let law = law_of(data, (&without.model, scope), exclusions, stage)?;
+        let beside = law_of(data, (&axis.model, scope), exclusions, stage);
+        let best = beside.map_or(left_of_validation, |law| law.after.validate);
+        (law.after.validate < best).then_some((index, without))
+    })
 }
 
 /// The model with laws, and the parameters of their stages fitted again.
