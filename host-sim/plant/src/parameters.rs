@@ -226,11 +226,14 @@ impl AxisParameters {
             Effect::PitchCyclic(e) => self.screw.periodic.push(e.error()),
             Effect::StiffnessMap(e) => self.screw.compliance_map = e.curve(),
             Effect::ForceWindup(e) => self.forced_windup = Some(e),
-            Effect::Windup(e) => {
-                if let Some(spring) = &mut self.spring {
-                    spring.stiffness_n_per_m = 1e6 * e.stiffness_n_per_um;
-                }
-            }
+            Effect::Windup(e) => self.set_stiffness(e.stiffness_n_per_um),
+        }
+    }
+
+    /// Sets the stiffness of a drive train that has one.
+    fn set_stiffness(&mut self, n_per_um: f64) {
+        if let Some(spring) = &mut self.spring {
+            spring.stiffness_n_per_m = 1e6 * n_per_um;
         }
     }
 

@@ -29,10 +29,7 @@ fn a_law_is_written_and_read_again() {
         requested(&case.machine, logs, Request { task: Task::Search, tables: true }, &|_| {}).unwrap();
     let model = first.better_machine();
     let text = model.to_toml();
-    assert!(
-        text.contains("[[axis.y.law]]") && text.contains("of = [\"speed_m_per_s\"]"),
-        "{text}"
-    );
+    assert!(text.contains("[[axis.y.law]]") && text.contains("of = [\"speed_m_per_s\"]"), "{text}");
     let read = trace::Machine::parse(&text, "model.toml").unwrap();
     assert_eq!(read.axis["y"].residual_law, model.axis["y"].residual_law);
     let again = requested(&read, logs, Request { task: Task::Evaluate, tables: false }, &|_| {}).unwrap();

@@ -1,6 +1,8 @@
 //! Laws of what remains of the stages of an axis.
 
+use super::confirmation::Confirmed;
 use crate::analysis::law::{FoundLaw, Left, law};
+use crate::dropped::{Dropped, Reason};
 use crate::fit::axis_data::AxisData;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::exclusion::Exclusion;
@@ -9,6 +11,7 @@ use crate::fit::fitted_axis::FittedAxis;
 use crate::fit::least_squares::{STEPS, derivatives, fit};
 use crate::fit::scope::Scope;
 use crate::fit::scope_fit::ScopeFit;
+use crate::task::Progress;
 use model::effects::Stage;
 
 /// Number of coordinates from which an effect is taken as a map: no other effect of the catalogue has as many.
@@ -52,10 +55,25 @@ fn law_beside(
     law(&fit, &validate, stage, noise)
 }
 
+/// What was confirmed, without a map in whose place a law describes its stage.
+#[must_use]
+pub fn without_map_of_law(
+    data: &AxisData<'_>,
+    mut confirmed: Confirmed,
+    progress: &Progress<'_>,
+) -> Confirmed {
+    if let Some((index, without)) = map_in_place_of_law(data, &confirmed.axis) {
+        let map = &confirmed.axis.model.found()[index];
+        confirmed.found.retain(|found| !found.effect.is_same(map));
+        confirmed.dropped.push(Dropped::new(map, Reason::DescribedByLaw, data.fit.name(), progress));
+        confirmed.axis = without;
+    }
+    confirmed
+}
+
 /// The index of a found map over a position that leaves much of its stage, where a law without the map describes it better than the map, and the
 /// axis without it. The knots of a map take away a part of every wave, and leave a shape that follows no law.
-#[must_use]
-pub fn map_in_place_of_law(data: &AxisData<'_>, axis: &FittedAxis) -> Option<(usize, FittedAxis)> {
+fn map_in_place_of_law(data: &AxisData<'_>, axis: &FittedAxis) -> Option<(usize, FittedAxis)> {
     let AxisData { fit, validate, .. } = data;
     let verdict = &fit.options.verdict;
     axis.model.found().iter().enumerate().find_map(|(index, effect)| {

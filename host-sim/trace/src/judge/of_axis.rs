@@ -5,7 +5,7 @@ use super::axis_findings::AxisFindings;
 use super::confirmation::{Confirmed, confirm};
 use super::declared_value::declared_values;
 use super::found_effect::FoundEffect;
-use super::laws::map_in_place_of_law;
+use super::laws::without_map_of_law;
 use super::misfit::{Evidence, is_of_another_machine};
 use super::not_testable::{EffectNotTestable, effects_not_testable};
 use super::remainder::Remainder;
@@ -36,14 +36,9 @@ pub fn judge(job: &Job<'_>, axis: &AxisData<'_>, hypotheses: Hypotheses) -> Axis
     let data = axis.without_bias(&bias);
     let tested: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
     let candidates = drift_rate::with_rates(&data.fit, searched);
-    let Confirmed { axis: mut confirmed, mut found, refused, refuted, dropped: mut by_logs } =
-        confirm([&data.fit, &data.validate], candidates, &tested, &rounds, job.progress);
-    if let Some((index, without)) = map_in_place_of_law(&data, &confirmed) {
-        let map = &confirmed.model.found()[index];
-        found.retain(|found| !found.effect.is_same(map));
-        by_logs.push(Dropped::new(map, Reason::DescribedByLaw, data.fit.name(), job.progress));
-        confirmed = without;
-    }
+    let confirmed = confirm([&data.fit, &data.validate], candidates, &tested, &rounds, job.progress);
+    let Confirmed { axis: confirmed, found, refused, refuted, dropped: by_logs } =
+        without_map_of_law(&data, confirmed, job.progress);
     let fitted_scopes = FittedScope::of(&confirmed.fits);
     let declared_values = declared_values([&data.fit, &data.validate], &confirmed);
     let tool_slopes = ToolSlopes::of(&data.fit, &confirmed);
