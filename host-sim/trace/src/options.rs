@@ -393,6 +393,12 @@ impl VerdictOptions {
     pub fn max_described(&self, noise: f64) -> f64 {
         self.max_noise_ratio * noise.max(self.min_noise)
     }
+
+    /// Maximum residual of a model whose effects are certain, of a log with this noise, in the unit of the noise.
+    #[must_use]
+    pub fn max_certain(&self, noise: f64) -> f64 {
+        self.max_certain_ratio * noise.max(self.min_noise)
+    }
 }
 
 #[cfg(test)]

@@ -68,6 +68,12 @@ pub const LEAST_RATIO: f64 = 1e-3;
 /// ([`velocity_lag_s`](crate::config::AxisSettings::velocity_lag_s)), and an encoder count 0.63 times that of the difference.
 pub const GREATEST_RATIO: f64 = 0.25;
 
+/// 1 − r of a bandwidth over the tick rate.
+#[must_use]
+pub fn gain(bandwidth_ratio: f64) -> f64 {
+    -libm::expm1(-2.0 * core::f64::consts::PI * bandwidth_ratio)
+}
+
 /// Constants of an observer.
 #[derive(Clone, Copy, Debug)]
 pub struct Observer<S: Scalar> {
@@ -99,7 +105,7 @@ impl<S: Scalar> Observer<S> {
     /// An observer with a bandwidth over the tick rate, [`LEAST_RATIO`] to [`GREATEST_RATIO`].
     #[must_use]
     pub fn new(bandwidth_ratio: f64) -> Self {
-        Self { gain: S::gain(-libm::expm1(-2.0 * core::f64::consts::PI * bandwidth_ratio)) }
+        Self { gain: S::gain(gain(bandwidth_ratio)) }
     }
 
     /// The velocity for that of the difference, which is not rounded yet. Once per tick.

@@ -75,7 +75,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     #[inline]
     pub(super) fn prepare(&self, state: &mut State<S, N>) {
         let due_in = state.until_position_tick + 1;
-        // Whether the path moves is known only in the position tick while the brakes open.
+        // While the brakes open, only the position tick knows whether the path moves.
         let is_waiting = !state.power.is_on() || matches!(state.power, Power::Enabling);
         if due_in > 2 || due_in >= self.rates.position_loop_divider || is_waiting {
             return;

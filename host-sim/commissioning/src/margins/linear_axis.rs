@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{DMatrix, DVector};
 use shared::config::{AxisSettings, Law, Rates, Sensors, VelocitySource};
+use shared::control::observer;
 
 use super::mechanics::{Condition, Mechanics};
 use super::sampled::Sampled;
@@ -133,7 +134,7 @@ struct State {
 fn observer(source: VelocitySource, tick_s: f64) -> Option<f64> {
     match source {
         VelocitySource::Difference => None,
-        VelocitySource::Observer { bandwidth_hz } => Some(-libm::expm1(-2.0 * PI * bandwidth_hz * tick_s)),
+        VelocitySource::Observer { bandwidth_hz } => Some(observer::gain(bandwidth_hz * tick_s)),
     }
 }
 

@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::Complex;
 use shared::config::{AxisSettings, Law, Rates, Sensors, VelocitySource};
+use shared::control::observer;
 
 use super::spectrum::Line;
 
@@ -116,8 +117,8 @@ fn observed(source: VelocitySource, angle: f64, tick_s: f64) -> Complex<f64> {
     match source {
         VelocitySource::Difference => Complex::from(1.0),
         VelocitySource::Observer { bandwidth_hz } => {
-            let r = libm::exp(-TAU * bandwidth_hz * tick_s);
-            let stage = (1.0 - r) / (Complex::from(1.0) - Complex::from_polar(r, -angle));
+            let gain = observer::gain(bandwidth_hz * tick_s);
+            let stage = gain / (Complex::from(1.0) - Complex::from_polar(1.0 - gain, -angle));
             stage * stage
         }
     }

@@ -38,7 +38,7 @@ impl EffectModel for Straightness {
     const DRAW_NUMBER: Option<u32> = Some(11);
 
     fn prerequisite(_axis: &Settings, neighbours: Neighbours) -> Prerequisite {
-        Prerequisite::needs(neighbours.others > 0, "another axis")
+        Prerequisite::another_axis(neighbours)
     }
 
     fn stages(&self) -> &'static [Stage] {

@@ -96,7 +96,7 @@ impl EffectModel for StraightnessMap {
     const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
 
     fn prerequisite(_axis: &Settings, neighbours: Neighbours) -> Prerequisite {
-        Prerequisite::needs(neighbours.others > 0, "another axis")
+        Prerequisite::another_axis(neighbours)
     }
 
     fn misplaced(&self, _place: &Placement<'_>) -> Option<Misplaced> {

@@ -40,7 +40,7 @@ impl EffectModel for Yaw {
     const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
 
     fn prerequisite(_axis: &Settings, neighbours: Neighbours) -> Prerequisite {
-        Prerequisite::needs(neighbours.others > 0, "another axis")
+        Prerequisite::another_axis(neighbours)
     }
 
     fn stages(&self) -> &'static [Stage] {

@@ -19,8 +19,9 @@ use model::effects::{Effect, Stage};
 /// Largest number of steps of a fit of the other parameters, after an effect was added with its final parameters.
 const STEPS: usize = 3;
 
-/// Number of coordinates of an effect from which it must improve the validation logs, and not only not make them worse.
-const MANY_COORDINATES: usize = 4;
+/// Number of coordinates of an effect from which it must improve the validation logs, and not only not make them worse: of all effects, only
+/// maps over a position have as many.
+pub const MANY_COORDINATES: usize = 4;
 
 /// A model without refuted effects and without effects at a limit, and what was dropped.
 pub struct Confirmed {

@@ -1,6 +1,6 @@
 //! Laws of what remains of the stages of an axis.
 
-use super::confirmation::Confirmed;
+use super::confirmation::{Confirmed, MANY_COORDINATES};
 use crate::analysis::law::{FoundLaw, Left, law};
 use crate::dropped::{Dropped, Reason};
 use crate::fit::axis_data::AxisData;
@@ -13,9 +13,6 @@ use crate::fit::scope::Scope;
 use crate::fit::scope_fit::ScopeFit;
 use crate::task::Progress;
 use model::effects::Stage;
-
-/// Number of coordinates from which an effect is taken as a map: no other effect of the catalogue has as many.
-const MAP_COORDINATES: usize = 4;
 
 /// The law of what a model leaves of a stage. An exclusion may be an artefact of the law: where the law leaves less without it, it is found without it.
 #[must_use]
@@ -75,21 +72,20 @@ pub fn without_map_of_law(
 /// axis without it. The knots of a map take away a part of every wave, and leave a shape that follows no law.
 fn map_in_place_of_law(data: &AxisData<'_>, axis: &FittedAxis) -> Option<(usize, FittedAxis)> {
     let AxisData { fit, validate, .. } = data;
-    let verdict = &fit.options.verdict;
     axis.model.found().iter().enumerate().find_map(|(index, effect)| {
-        let is_map = effect.coordinates().len() >= MAP_COORDINATES;
-        let fit_of = axis.fits.iter().find(|fit| is_map && fit.scope.holds(effect));
-        let ScopeFit { scope, exclusions, .. } = fit_of?;
+        if effect.coordinates().len() < MANY_COORDINATES {
+            return None;
+        }
+        let ScopeFit { scope, exclusions, .. } = axis.fits.iter().find(|fit| fit.scope.holds(effect))?;
         let [stage] = scope.stages[..] else { return None };
-        let [left, left_of_validation] =
-            [fit, validate].map(|data| data.rms(&data.residuals(&axis.model, scope), stage));
-        if left <= verdict.max_certain_ratio * fit.noise(&axis.model, stage).max(verdict.min_noise) {
+        let left = |data: &FitData<'_>| data.rms(&data.residuals(&axis.model, scope), stage);
+        if left(fit) <= fit.options.verdict.max_certain(fit.noise(&axis.model, stage)) {
             return None;
         }
         let without = axis.without(fit, index);
         let law = law_of(data, (&without.model, scope), exclusions, stage)?;
         let beside = law_of(data, (&axis.model, scope), exclusions, stage);
-        let best = beside.map_or(left_of_validation, |law| law.after.validate);
+        let best = beside.map_or_else(|| left(validate), |law| law.after.validate);
         (law.after.validate < best).then_some((index, without))
     })
 }

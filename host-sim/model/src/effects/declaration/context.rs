@@ -101,6 +101,12 @@ impl Prerequisite {
         if is_present { Self::Met } else { Self::Needs(what) }
     }
 
+    /// Requires another axis.
+    #[must_use]
+    pub const fn another_axis(neighbours: Neighbours) -> Self {
+        Self::needs(neighbours.others > 0, "another axis")
+    }
+
     /// Requires the masses of the axis.
     #[must_use]
     pub fn masses(axis: &Settings) -> Self {

@@ -73,8 +73,7 @@ pub fn law(fit: &Left<'_>, validate: &Left<'_>, stage: Stage, noise: f64) -> Opt
         other: names.iter().find(|name| *name != axis).cloned().unwrap_or_default(),
         constant: judged.constant,
         terms: judged.terms,
-        is_complete: judged.after.fit
-            <= fit.data.options.verdict.max_certain_ratio * noise.max(fit.data.options.verdict.min_noise),
+        is_complete: judged.after.fit <= fit.data.options.verdict.max_certain(noise),
         before: judged.before,
         after: judged.after,
     })
