@@ -1,7 +1,7 @@
 //! Which column is which channel.
 
 use files::error::{InputError, quoted};
-use files::log::{ALLOWED, AxisLog, Channel, TIME, Unit, channel_of};
+use files::log::{ALLOWED, AxisLog, Channel, TIME, Unit, channel_of, unit_of_axis};
 
 use crate::conversion::{Conversion, Units};
 use crate::format::Format;
@@ -67,11 +67,13 @@ pub fn choose(
             continue;
         }
         let Some((axis, channel, unit)) = channel_of(name) else { return Err(unknown(name)) };
+        let of_axis = || unit_of_axis(axis, named.iter().map(|(ours, _)| ours.as_str()));
+        let unit = unit.or_else(of_axis).unwrap_or(Unit::Millimetre);
         if let Some(other) = chosen.channels.iter().find(|other| other.axis == axis && other.unit != unit) {
             let expected = format!("unit {} as of its other columns", other.unit.suffix(channel));
             return Err(InputError::expected("--map", expected, quoted(name)));
         }
-        let conversion = units.conversion(name, Quantity::of(unit, channel.is_force()), foreign, notes)?;
+        let conversion = units.conversion(name, Quantity::of(unit, channel), foreign, notes)?;
         chosen.channels.push(ChosenChannel {
             axis: axis.to_owned(),
             channel,
@@ -236,6 +238,17 @@ mod tests {
         let (with, notes) = chosen(&text, &request(&["x_motor_mm=v"], &["x_motor_mm=m/s"])).unwrap();
         assert_eq!(with.channels[0].conversion, Conversion { factor: 1e3, is_rate: true });
         assert!(notes.iter().any(|note| note.contains("begins at zero")), "{notes:?}");
+    }
+
+    #[test]
+    fn a_temperature_of_a_rotary_axis_is_mapped_beside_its_angles() {
+        let text = TEXT.replace("X act", "T guide (°C)");
+        let with_angle = request(&["c_temperature_c=T guide", "c_motor_deg=X cmd"], &["c_motor_deg=deg"]);
+        let (of_both, _) = chosen(&text, &with_angle).unwrap();
+        assert!(of_both.channels.iter().all(|channel| channel.unit == Unit::Degree));
+        assert_eq!(of_both.channels[0].channel, Channel::Temperature);
+        let refused = chosen(&text, &request(&["c_temperature_c=X cmd"], &[])).unwrap_err();
+        assert!(refused.contains("celsius or counts*SCALE"), "{refused}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Units of columns.
 
-use files::log::Unit as AxisUnit;
+use files::log::{Channel, Quantity as Measured, Unit as AxisUnit};
 
 /// What a column measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,17 +15,20 @@ pub enum Quantity {
     Torque,
     /// A time, in s.
     Time,
+    /// A temperature, in °C.
+    Temperature,
 }
 
 impl Quantity {
-    /// The quantity of a channel: positions and forces of linear axes, angles and torques of rotary ones.
+    /// The quantity of a channel: positions and forces of linear axes, angles and torques of rotary ones, temperatures.
     #[must_use]
-    pub const fn of(unit: AxisUnit, is_force: bool) -> Self {
-        match (unit, is_force) {
-            (AxisUnit::Millimetre, false) => Self::Length,
-            (AxisUnit::Degree, false) => Self::Angle,
-            (AxisUnit::Millimetre, true) => Self::Force,
-            (AxisUnit::Degree, true) => Self::Torque,
+    pub const fn of(unit: AxisUnit, channel: Channel) -> Self {
+        match (unit, channel.quantity()) {
+            (AxisUnit::Millimetre, Measured::Position) => Self::Length,
+            (AxisUnit::Degree, Measured::Position) => Self::Angle,
+            (AxisUnit::Millimetre, Measured::Force) => Self::Force,
+            (AxisUnit::Degree, Measured::Force) => Self::Torque,
+            (_, Measured::Temperature) => Self::Temperature,
         }
     }
 
@@ -48,6 +51,7 @@ impl Quantity {
             ],
             Self::Force => &[(&["n"], 1.0), (&["kn"], 1e3), (&["mn"], 1e-3), (&["lbf"], 4.448_221_615_260_5)],
             Self::Torque => &[(&["nm", "n·m", "n*m", "n.m"], 1.0), (&["mnm"], 1e-3), (&["knm"], 1e3)],
+            Self::Temperature => &[(&["celsius", "°c", "c", "degc"], 1.0)],
             Self::Time => &[
                 (&["s", "sec", "second", "seconds"], 1.0),
                 (&["ms", "msec"], 1e-3),
@@ -102,9 +106,9 @@ impl Quantity {
 /// Whether a text is a unit of any quantity.
 #[must_use]
 pub fn is_unit(text: &str) -> bool {
-    use Quantity::{Angle, Force, Length, Time, Torque};
+    use Quantity::{Angle, Force, Length, Temperature, Time, Torque};
     let is_of = |quantity: Quantity| quantity.factor(text).or_else(|| quantity.rate_factor(text)).is_some();
-    [Length, Angle, Force, Torque, Time].into_iter().any(is_of)
+    [Length, Angle, Force, Torque, Time, Temperature].into_iter().any(is_of)
 }
 
 /// Name and unit of a header: `X cmd (in)`, `pos [µm]`, `time/ms`.

@@ -94,7 +94,8 @@ impl AxisMotion {
         } else {
             self.friction_n
         };
-        let resistance_n = guide_n + friction.viscous_n(v) + parameters.load.force_n(self.table_m);
+        let resistance_n =
+            guide_n + friction.viscous_n(v, self.time_s) + parameters.load.force_n(self.table_m);
         let Some(spring) = &parameters.spring else {
             let drive_n = self.drive_n + parameters.torque_ripple_n(self.motor_m)
                 - parameters.motor_friction_n(self.motor_m_per_s);

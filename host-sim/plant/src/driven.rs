@@ -82,7 +82,7 @@ impl DrivenTable {
         }
         table.transmitted_n = parameters.table_mass_kg * screw.acceleration
             + level
-            + friction.viscous_n(screw.velocity)
+            + friction.viscous_n(screw.velocity, screw.time_s)
             + parameters.load.force_n(screw.nominal_m);
         let gap_m = screw.half_gap_m.copysign(table.transmitted_n);
         if let Some(spring) = &parameters.spring {
@@ -229,11 +229,11 @@ impl<'a> DrivenStep<'a> {
     fn friction(&self, bristle_m: f64, about: f64, sliding: SlidingState) -> StepFriction {
         let friction = &self.parameters.friction;
         let viscous = friction.viscous_n_s_per_m;
-        let beyond_linear_n = friction.beyond_linear_n(about);
+        let beyond_linear_n = friction.beyond_linear_n(about, sliding.time_s);
         if !friction.has_bristles() {
             let mut no_bristle_m = 0.0;
             let dry_n = friction.step(&mut no_bristle_m, about, sliding, self.time.seconds)
-                - friction.viscous_n(about);
+                - friction.viscous_n(about, sliding.time_s);
             let bristles = ExactStep::default();
             return StepFriction { offset_n: dry_n + beyond_linear_n, slope_n_s_per_m: viscous, bristles };
         }

@@ -1,10 +1,11 @@
 //! Friction of the guideway: Coulomb, viscous and Stribeck friction, its dependence on position, time and direction, and
 //! optionally presliding ([`super::presliding`]).
 
+use super::guide_temperature::GuideTemperature;
 use super::presliding::Bristles;
 use model::effects::{
-    FrictionAsymmetry, FrictionMemory, FrictionRipple, FrictionWarmUp, PreloadVariation, Presliding,
-    QuadraticDrag, ShearThinning, Stribeck,
+    FrictionAsymmetry, FrictionMemory, FrictionRipple, FrictionTemperature, FrictionWarmUp, PreloadVariation,
+    Presliding, QuadraticDrag, ShearThinning, Stribeck,
 };
 use model::friction_curve::Curve;
 use model::position_curve::PositionCurve;
@@ -56,6 +57,10 @@ pub struct Friction {
     pub ripple: Vec<FrictionRipple>,
     /// Dependence on the time of the session.
     pub warm_up: FrictionWarmUp,
+    /// Dependence on the temperature.
+    pub temperature: FrictionTemperature,
+    /// The temperature of the guide; `None`: the reference of [`Self::temperature`].
+    pub guide_temperature: Option<GuideTemperature>,
     /// Difference between the directions of travel.
     pub asymmetry: FrictionAsymmetry,
     /// Force that grows with the square of the velocity.
@@ -95,7 +100,23 @@ impl Friction {
         let memory_n = self.memory.rise_n(velocity, sliding.filtered_speed_m_per_s);
         let warm_up_n = if self.warm_up.changes() { self.warm_up.rise_n(sliding.time_s) } else { 0.0 };
         let map_n = if self.map.is_empty() { 0.0 } else { self.map.value(sliding.position_m) };
-        (level_n + preload_n + ripple_n + memory_n + warm_up_n + map_n).max(0.0)
+        let by_temperature_n =
+            self.temperature_c(sliding.time_s).map_or(0.0, |celsius| self.temperature.rise_n(celsius));
+        (level_n + preload_n + ripple_n + memory_n + warm_up_n + by_temperature_n + map_n).max(0.0)
+    }
+
+    #[must_use]
+    #[inline]
+    fn depends_on_temperature(&self) -> bool {
+        self.guide_temperature.is_some() && self.temperature.changes()
+    }
+
+    /// The temperature at a time on the session clock (s), °C, where friction depends on it.
+    #[must_use]
+    #[inline]
+    fn temperature_c(&self, time_s: f64) -> Option<f64> {
+        let curve = self.guide_temperature.as_ref().filter(|_| self.temperature.changes())?;
+        Some(curve.at(time_s + self.temperature.sensor_late_s))
     }
 
     #[must_use]
@@ -104,6 +125,7 @@ impl Friction {
         !self.memory.remembers()
             && !self.preload.varies()
             && !self.warm_up.changes()
+            && !self.depends_on_temperature()
             && self.map.is_empty()
             && self.ripple.is_empty()
     }
@@ -125,37 +147,44 @@ impl Friction {
         self.bristle_stiffness_n_per_m > 0.0
     }
 
-    /// Viscous friction and [`Self::beyond_linear_n`] at a velocity (m/s), N, against the motion.
+    /// Viscous friction and [`Self::beyond_linear_n`] at a velocity (m/s) and a time on the session clock (s), N, against the motion.
     #[must_use]
     #[inline]
-    pub fn viscous_n(&self, velocity: f64) -> f64 {
-        self.viscous_n_s_per_m * velocity + self.beyond_linear_n(velocity)
+    pub fn viscous_n(&self, velocity: f64, time_s: f64) -> f64 {
+        self.viscous_n_s_per_m * velocity + self.beyond_linear_n(velocity, time_s)
     }
 
-    /// What depends on the velocity (m/s) alone, is zero at standstill and is not linear, N, against motion in + direction.
+    /// What is zero at standstill and is not the same linear function of the velocity (m/s) at all times (on the session clock, s), N, against
+    /// motion in + direction.
     #[must_use]
     #[inline]
-    pub fn beyond_linear_n(&self, velocity: f64) -> f64 {
-        self.asymmetry.force_n(velocity) + self.drag.resistance_n(velocity)
+    pub fn beyond_linear_n(&self, velocity: f64, time_s: f64) -> f64 {
+        let by_temperature_n = self.temperature_c(time_s).map_or(0.0, |celsius| {
+            self.temperature.viscous_change(celsius) * self.viscous_n_s_per_m * velocity
+        });
+        self.asymmetry.force_n(velocity) + self.drag.resistance_n(velocity) + by_temperature_n
     }
 
-    /// Whether [`Self::beyond_linear_n`] is not zero.
+    /// Whether [`Self::beyond_linear_n`] may be other than zero.
     #[must_use]
     pub fn is_beyond_linear(&self) -> bool {
-        self.beyond_linear_n(1.0) != 0.0 || self.beyond_linear_n(-1.0) != 0.0
+        self.depends_on_temperature()
+            || self.beyond_linear_n(1.0, 0.0) != 0.0
+            || self.beyond_linear_n(-1.0, 0.0) != 0.0
     }
 
     /// Bends the bristles (m) over a step (s) of a known velocity (m/s) and gives the whole friction at its end, N,
     /// against the motion.
     pub fn step(&self, bristle_m: &mut f64, velocity: f64, sliding: SlidingState, step_s: f64) -> f64 {
         if let Some(force_n) = self.through_zero_n(velocity) {
-            return force_n + self.viscous_n(velocity);
+            return force_n + self.viscous_n(velocity, sliding.time_s);
         }
         let level_n = self.level_n(velocity, sliding);
         if !self.has_bristles() {
-            return level_n * smoothed_sign(velocity) + self.viscous_n(velocity);
+            return level_n * smoothed_sign(velocity) + self.viscous_n(velocity, sliding.time_s);
         }
-        self.bristles().implicit_step(bristle_m, velocity, level_n, step_s) + self.viscous_n(velocity)
+        self.bristles().implicit_step(bristle_m, velocity, level_n, step_s)
+            + self.viscous_n(velocity, sliding.time_s)
     }
 
     /// Friction without presliding and without the viscous part over a step, N: at most the sliding level, and no more
@@ -229,6 +258,39 @@ mod tests {
             let force = (0..100_000).map(step).last().unwrap();
             assert!((force - expected).abs() < 0.01, "{v}: {force}");
         }
+    }
+
+    /// At 24 °C, 4 °C above the reference: 200 N − 4·2 N, and 1000 N·s/m·exp(−0.04·4); at the reference without a temperature. A reading that is
+    /// 2 s late is that of 2 s later.
+    #[test]
+    fn friction_falls_with_the_temperature_of_the_guide() {
+        let temperature = FrictionTemperature {
+            level_n_per_c: -2.0,
+            viscous_percent_per_c: -4.0,
+            sensor_late_s: 2.0,
+            ..FrictionTemperature::at_reference(20.0)
+        };
+        let cold = Friction { temperature, stribeck: Stribeck::default(), ..guide() };
+        // 20 °C until 10 s, and 24 °C from 11 s on.
+        let celsius = (0..20).map(|i| if i <= 10 { 20.0 } else { 24.0 }).collect();
+        let warming =
+            Friction { guide_temperature: GuideTemperature::new(0.0, 1.0, celsius), ..cold.clone() };
+        let at = |friction: &Friction, time_s: f64| {
+            let state = SlidingState { time_s, ..SlidingState::default() };
+            [friction.level_n(0.1, state), friction.viscous_n(0.1, time_s)]
+        };
+        let asymmetry_n = 20.0;
+        for (found, expected) in [
+            (at(&cold, 15.0), [200.0, 100.0 + asymmetry_n]),
+            (at(&warming, 7.9), [200.0, 100.0 + asymmetry_n]),
+            (at(&warming, 9.1), [192.0, 100.0 * (-0.16f64).exp() + asymmetry_n]),
+        ] {
+            assert!(
+                (found[0] - expected[0]).abs() < 1e-9 && (found[1] - expected[1]).abs() < 1e-9,
+                "{found:?}"
+            );
+        }
+        assert!(warming.is_beyond_linear() && warming.constant_level_n().is_none());
     }
 
     #[test]

@@ -110,7 +110,10 @@ impl<L: Lane> Guide<L> {
         };
         let mut load_n = self.load_n;
         if self.is_beyond_linear {
-            load_n = load_n + L::of(|axis| parameters[axis].friction.beyond_linear_n(about.lane(axis)));
+            let beyond_linear_n = |axis: usize| {
+                parameters[axis].friction.beyond_linear_n(about.lane(axis), motion.time_s.lane(axis))
+            };
+            load_n = load_n + L::of(beyond_linear_n);
         }
         if self.has_position_load {
             // In the middle of the step, by extrapolation.

@@ -42,6 +42,7 @@ pub mod following;
 pub mod friction;
 pub mod friction_direction;
 pub mod guide;
+pub mod guide_temperature;
 pub mod instruments;
 pub mod lane;
 pub mod load;

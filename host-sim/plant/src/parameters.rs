@@ -180,6 +180,7 @@ impl AxisParameters {
             Effect::MotorStribeck(e) => self.motor_stribeck = e,
             Effect::FrictionMap(e) => self.friction.map = e.curve(),
             Effect::FrictionWarmUp(e) => self.friction.warm_up = e,
+            Effect::FrictionTemperature(e) => self.friction.temperature = e,
             Effect::QuadraticDrag(e) => self.friction.drag = e,
             Effect::Presliding(e) => self.friction.set_bristles(&e),
             Effect::TorqueRipple(e) => self.ripple.push(e),

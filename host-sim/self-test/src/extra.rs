@@ -12,6 +12,7 @@ use super::machine::AXES;
 use super::plant::{Mechanics, Sinusoid};
 use super::sensors::Sensors;
 use super::truth::Truth;
+use super::warming::Warming;
 
 /// Resolution of the encoder of the kind `coarse` in the control loops, m.
 const ENCODER_STEP_M: f64 = 0.5e-6;
@@ -107,7 +108,20 @@ fn height(shape: impl Fn(f64) -> f64) -> f64 {
 
 /// A friction that the declared Coulomb and viscous friction do not contain.
 fn friction(mechanics: &mut Mechanics, random: &mut ChaCha8Rng) -> (&'static str, Vec<(&'static str, f64)>) {
-    let name = one_of(&["friction_position", "friction_warm_up", "motor_stribeck"], random);
+    let name =
+        one_of(&["friction_position", "friction_warm_up", "motor_stribeck", "friction_temperature"], random);
+    if name == "friction_temperature" {
+        let warming = Warming::draw(random);
+        mechanics.warming = Some(warming);
+        let level_n_per_c = -warming.level_per_c * mechanics.coulomb_n;
+        return (
+            name,
+            vec![
+                ("level_n_per_c", level_n_per_c),
+                ("viscous_percent_per_c", -100.0 * warming.viscosity_per_c),
+            ],
+        );
+    }
     let mut between = |low: f64, high: f64| random.random_range(low..high);
     let parameters = match name {
         "friction_position" => {

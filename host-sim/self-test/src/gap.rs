@@ -117,7 +117,7 @@ pub fn thin(name: &str, logs: &mut [Log]) {
                 Channel::Table => axis.table = None,
                 Channel::Tool => axis.tool = None,
                 Channel::Force => axis.force = None,
-                Channel::Command | Channel::AddedForce => {}
+                Channel::Command | Channel::AddedForce | Channel::Temperature => {}
             }
         }
     }

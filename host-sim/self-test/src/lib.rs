@@ -61,6 +61,7 @@ pub mod simulation;
 pub mod summary;
 pub mod text_summary;
 pub mod truth;
+pub mod warming;
 
 use serde_json::{Value, json};
 

@@ -14,7 +14,7 @@ pub const FAULT_KINDS: [&str; 9] =
     ["slip", "stuck", "spike", "sign", "exchanged", "shifted", "rate", "unit", "dead"];
 
 /// Things from outside and their names.
-const NAMINGS: [Naming; 14] = [
+const NAMINGS: [Naming; 15] = [
     // A slope is a part of a shape, but does not name it.
     Naming { names: &["pitch_map"], ..named("pitch_shape", &["pitch_map", "pitch_progressive"]) },
     // A slope or a bow is a part of a shape, but does not name it.
@@ -27,6 +27,11 @@ const NAMINGS: [Naming; 14] = [
     Naming {
         estimated: Some(("friction_warm_up", &["force_n", "time_constant_s"])),
         ..named("friction_warm_up", &["friction_warm_up"])
+    },
+    // Its viscosity is not that of a law with one slope: the slope depends on the reference.
+    Naming {
+        estimated: Some(("friction_temperature", &["level_n_per_c"])),
+        ..named("friction_temperature", &["friction_temperature"])
     },
     Naming {
         estimated: Some(("motor_stribeck", &["static_excess_n", "velocity_mm_s"])),

@@ -6,6 +6,8 @@
 
 use std::f64::consts::TAU;
 
+use super::warming::Warming;
+
 /// Step of the integration, s: short against the fastest mode of the drawn machines, about 400 Hz between the masses.
 pub const STEP_S: f64 = 50e-6;
 
@@ -112,6 +114,8 @@ pub struct Mechanics {
     pub warm_up_n: f64,
     /// Time constant with which that friction decays, s; above 0 unless it is 0.
     pub warm_up_s: f64,
+    /// A guide whose friction depends on its temperature.
+    pub warming: Option<Warming>,
     /// Additional friction of the motor near standstill.
     pub motor_stribeck_n: f64,
     /// Speed at which the additional friction of the motor has decreased to 1/e; above 0 unless it is 0.
@@ -199,9 +203,16 @@ impl Mechanics {
         stiffness_n_per_m * stretch_m + self.damping_n_s_per_m * speed
     }
 
-    /// Friction level at which the bristles slide: C + S·exp(−(v/vs)²) + C'(x) + W·exp(−t/τ).
+    /// Viscous and Coulomb friction at the temperature of the guide, relative to the nominal ones.
+    fn at_temperature(&self, state: &State) -> [f64; 2] {
+        self.warming.map_or([1.0; 2], |warming| warming.factors(state.time_s))
+    }
+
+    /// Friction level at which the bristles slide: C·(1 − γ·(T − T0)) + S·exp(−(v/vs)²) + C'(x) + W·exp(−t/τ).
     fn sliding_n(&self, state: &State) -> f64 {
-        let level_n = self.coulomb_n + decaying(self.stribeck_n, state.table_m_per_s / self.stribeck_m_per_s);
+        let [_, coulomb] = self.at_temperature(state);
+        let level_n =
+            coulomb * self.coulomb_n + decaying(self.stribeck_n, state.table_m_per_s / self.stribeck_m_per_s);
         let level_n = self.friction_waves.iter().fold(level_n, |sum, wave| sum + wave.at(state.table_m));
         if self.warm_up_n == 0.0 {
             level_n
@@ -219,7 +230,8 @@ impl Mechanics {
         state.bristle_m =
             (before_m + STEP_S * v) / (1.0 + STEP_S * self.presliding_n_per_m * v.abs() / level_n);
         let deflection_rate = (state.bristle_m - before_m) / STEP_S;
-        let viscous = self.viscous_n_s_per_m + self.asymmetry_n_s_per_m * v.signum();
+        let viscous =
+            self.at_temperature(state)[0] * self.viscous_n_s_per_m + self.asymmetry_n_s_per_m * v.signum();
         self.presliding_n_per_m * state.bristle_m + self.presliding_n_s_per_m * deflection_rate + viscous * v
     }
 }

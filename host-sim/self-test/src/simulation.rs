@@ -40,6 +40,10 @@ pub fn run_jittered(
             let [motor_mm, table_mm, tool_mm] = readings[i];
             let force_n = (1.0 + recording.force_gain) * servos[i].force_n();
             columns.add(*sensors, [command_mm, motor_mm, table_mm, tool_mm, force_n], random);
+            if let Some(warming) = axes[i].mechanics.warming {
+                let time_s = start_s + SAMPLE_S * sample as f64;
+                columns.temperature.push(warming.read_c(time_s, random));
+            }
         }
         for ((servo, [motor_m, table_m]), command_mm) in
             servos.iter_mut().zip(machine.feedback_m()).zip(position_mm)
@@ -80,6 +84,8 @@ struct Columns {
     table: Vec<f64>,
     tool: Vec<f64>,
     force: Vec<f64>,
+    /// Empty where it is not measured.
+    temperature: Vec<f64>,
 }
 
 impl Columns {
@@ -94,13 +100,14 @@ impl Columns {
     }
 
     fn into_log(self, name: &str) -> AxisLog {
-        let Self { command, motor, table, tool, force } = self;
+        let Self { command, motor, table, tool, force, temperature } = self;
         AxisLog {
             command: Some(command),
             motor: Some(motor),
             table: Some(table),
             tool: Some(tool),
             force: Some(force),
+            temperature: (!temperature.is_empty()).then_some(temperature),
             ..AxisLog::new(name, Unit::Millimetre)
         }
     }

@@ -200,7 +200,8 @@ pub fn kinds_json(outcomes: &[Outcome]) -> Value {
 }
 
 /// Effects that only things from outside the textbook catalogue are estimated by; see [`super::outside::as_effect`].
-const ESTIMATED: [&str; 3] = ["friction_warm_up", "motor_stribeck", "position_load"];
+const ESTIMATED: [&str; 5] =
+    ["friction_warm_up", "friction_temperature", "motor_stribeck", "position_load", "yaw"];
 
 fn parameters(estimates: &[&Estimate]) -> Vec<Parameter> {
     let mut keys: Vec<(&str, &str)> = Vec::new();

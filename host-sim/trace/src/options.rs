@@ -133,6 +133,11 @@ options! {
         /// Sweep: values in all cases. ×0.5: two more 95 % intervals miss the truth; ×2:
         /// `a_saturated_force_is_excluded_or_refused` fails.
         smoothing_s: f64 = 0.005,
+        /// Time over which the readings of a temperature are averaged, s.
+        temperature_smoothing_s: f64 = 5.0,
+        /// Least range of the temperatures of all fit logs, °C, by which a dependence on them is searched for: with less, the error of a
+        /// sensor and the difference between its place and the guide are not small.
+        min_temperature_range_c: f64 = 2.0,
         /// Settling time at the start of a log that is not evaluated, s: the state before the log is unknown.
         ///
         /// Sweep: values in all cases. ×2: one more interval misses the truth. Unit tests on the length of the

@@ -1,8 +1,8 @@
 //! Logs: commands and measurements of each axis, uniformly sampled.
 //!
 //! The file format is a CSV table with one header line: `time_s`, then for each axis any of
-//! `NAME_command_U`, `NAME_motor_U`, `NAME_table_U`, `NAME_tool_U`, `NAME_force_F` and
-//! `NAME_added_force_F`, with U `mm` and F `n`, or U `deg` and F `nm`.
+//! `NAME_command_U`, `NAME_motor_U`, `NAME_table_U`, `NAME_tool_U`, `NAME_force_F`,
+//! `NAME_added_force_F` and `NAME_temperature_c`, with U `mm` and F `n`, or U `deg` and F `nm`.
 
 mod clock;
 mod read;
@@ -10,7 +10,7 @@ mod write;
 
 use std::ops::Range;
 
-pub use read::{ALLOWED, Rows, TIME, channel_of};
+pub use read::{ALLOWED, Rows, TIME, channel_of, unit_of_axis};
 pub use write::{RowWriter, write_rows};
 
 /// Units of an axis's positions and forces.
@@ -29,13 +29,25 @@ impl Unit {
     /// Suffix of a channel's column.
     #[must_use]
     pub fn suffix(self, channel: Channel) -> &'static str {
-        match (self, channel.is_force()) {
-            (Self::Millimetre, false) => "mm",
-            (Self::Degree, false) => "deg",
-            (Self::Millimetre, true) => "n",
-            (Self::Degree, true) => "nm",
+        match (self, channel.quantity()) {
+            (Self::Millimetre, Quantity::Position) => "mm",
+            (Self::Degree, Quantity::Position) => "deg",
+            (Self::Millimetre, Quantity::Force) => "n",
+            (Self::Degree, Quantity::Force) => "nm",
+            (_, Quantity::Temperature) => "c",
         }
     }
+}
+
+/// What a channel measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// A position, of a rotary axis an angle.
+    Position,
+    /// A force, of a rotary axis a torque.
+    Force,
+    /// A temperature.
+    Temperature,
 }
 
 /// One signal of an axis.
@@ -53,12 +65,21 @@ pub enum Channel {
     Force,
     /// Known test force that is added to the controller's output; [`Channel::Force`] includes it.
     AddedForce,
+    /// Temperature of guide and lubricant, °C, as a sensor beside them reads it.
+    Temperature,
 }
 
 impl Channel {
     /// All channels, in the order in which columns are written.
-    pub const ALL: [Self; 6] =
-        [Self::Command, Self::Motor, Self::Table, Self::Tool, Self::Force, Self::AddedForce];
+    pub const ALL: [Self; 7] = [
+        Self::Command,
+        Self::Motor,
+        Self::Table,
+        Self::Tool,
+        Self::Force,
+        Self::AddedForce,
+        Self::Temperature,
+    ];
 
     /// Middle part of a column's name.
     #[must_use]
@@ -70,19 +91,24 @@ impl Channel {
             Self::Tool => "tool",
             Self::Force => "force",
             Self::AddedForce => "added_force",
+            Self::Temperature => "temperature",
         }
     }
 
-    /// Whether the channel is a force or torque, and no position.
+    /// What it measures.
     #[must_use]
-    pub fn is_force(self) -> bool {
-        matches!(self, Self::Force | Self::AddedForce)
+    pub const fn quantity(self) -> Quantity {
+        match self {
+            Self::Command | Self::Motor | Self::Table | Self::Tool => Quantity::Position,
+            Self::Force | Self::AddedForce => Quantity::Force,
+            Self::Temperature => Quantity::Temperature,
+        }
     }
 }
 
 /// The channels of one axis; `None` if a channel was not measured.
 ///
-/// Positions are in mm or degrees, forces in N or N·m, as in the file.
+/// Positions are in mm or degrees, forces in N or N·m, temperatures in °C, as in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisLog {
     /// Name of the axis.
@@ -101,6 +127,8 @@ pub struct AxisLog {
     pub force: Option<Vec<f64>>,
     /// See [`Channel::AddedForce`].
     pub added_force: Option<Vec<f64>>,
+    /// See [`Channel::Temperature`].
+    pub temperature: Option<Vec<f64>>,
 }
 
 impl AxisLog {
@@ -116,6 +144,7 @@ impl AxisLog {
             tool: None,
             force: None,
             added_force: None,
+            temperature: None,
         }
     }
 
@@ -129,6 +158,7 @@ impl AxisLog {
             Channel::Tool => &self.tool,
             Channel::Force => &self.force,
             Channel::AddedForce => &self.added_force,
+            Channel::Temperature => &self.temperature,
         };
         samples.as_deref()
     }
@@ -142,13 +172,14 @@ impl AxisLog {
             Channel::Tool => &mut self.tool,
             Channel::Force => &mut self.force,
             Channel::AddedForce => &mut self.added_force,
+            Channel::Temperature => &mut self.temperature,
         }
     }
 
     /// The samples of all measured channels.
     fn channels_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
-        let Self { command, motor, table, tool, force, added_force, .. } = self;
-        [command, motor, table, tool, force, added_force].into_iter().flatten()
+        let Self { command, motor, table, tool, force, added_force, temperature, .. } = self;
+        [command, motor, table, tool, force, added_force, temperature].into_iter().flatten()
     }
 
     /// Name of the column of a channel.

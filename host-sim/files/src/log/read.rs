@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::clock::{self, Irregular};
-use super::{AxisLog, Channel, Log, Unit};
+use super::{AxisLog, Channel, Log, Quantity, Unit};
 use crate::axis_name::is_axis_name;
 use crate::error::{InputError, quoted, shortened};
 use crate::table::Table;
@@ -11,7 +11,7 @@ use crate::table::Table;
 /// Name of the column of the times.
 pub const TIME: &str = "time_s";
 /// What the columns of a log may be called, for messages.
-pub const ALLOWED: &str = "time_s, or, of an axis x: x_command_mm, x_motor_mm, x_table_mm, x_tool_mm, x_force_n, x_added_force_n (rotary: _deg and _nm)";
+pub const ALLOWED: &str = "time_s, or, of an axis x: x_command_mm, x_motor_mm, x_table_mm, x_tool_mm, x_force_n, x_added_force_n, x_temperature_c (rotary: _deg and _nm)";
 
 impl Log {
     /// Reads a log; `-` is standard input, and gzip is recognised by the suffix or the first bytes.
@@ -144,7 +144,7 @@ impl Header {
         }
         let mut header = Self { time: 0, channels: Vec::new(), axes: Vec::new() };
         for (index, name) in names.iter().enumerate() {
-            let added = header.add(&names[..index], name);
+            let added = header.add(names, index);
             added.map_err(|(expected, found)| table.header_error(expected, found).at_key(&visible(name)))?;
         }
         let Some(time) = header.channels.iter().position(Option::is_none) else {
@@ -156,8 +156,9 @@ impl Header {
         Ok(Self { time, ..header })
     }
 
-    /// Adds a column after the columns `before`. An error contains what was expected and what was found.
-    fn add(&mut self, before: &[String], name: &String) -> Result<(), (String, String)> {
+    /// Adds the next of the columns. An error contains what was expected and what was found.
+    fn add(&mut self, names: &[String], index: usize) -> Result<(), (String, String)> {
+        let (before, name) = (&names[..index], &names[index]);
         if before.contains(name) {
             return Err(("one column of this name".to_owned(), "a second one".to_owned()));
         }
@@ -170,12 +171,15 @@ impl Header {
         };
         let known = self.axes.iter().position(|known| known.name == axis);
         let axis = known.unwrap_or_else(|| {
-            self.axes.push(AxisLog::new(axis, unit));
+            let unit = unit_of_axis(axis, names.iter().map(String::as_str));
+            self.axes.push(AxisLog::new(axis, unit.unwrap_or(Unit::Millimetre)));
             self.axes.len() - 1
         });
         let expected = self.axes[axis].unit;
-        if unit != expected {
-            let first = self.channels.iter().position(|c| c.is_some_and(|(a, _)| a == axis));
+        if let Some(unit) = unit.filter(|unit| *unit != expected) {
+            let has_unit = |channel: Channel| channel.quantity() != Quantity::Temperature;
+            let is_of_axis = |(of, channel): (usize, Channel)| of == axis && has_unit(channel);
+            let first = self.channels.iter().position(|column| column.is_some_and(is_of_axis));
             let first = first.map_or("", |column| &before[column]);
             let expected = expected.suffix(channel);
             return Err((format!("unit {expected} as in {first}"), unit.suffix(channel).into()));
@@ -201,14 +205,20 @@ fn visible(name: &str) -> String {
     if name.is_empty() { "unnamed column".to_owned() } else { shortened(name) }
 }
 
+/// The unit of an axis, by the first of these columns that shows it.
+pub fn unit_of_axis<'a>(axis: &str, names: impl Iterator<Item = &'a str>) -> Option<Unit> {
+    names.filter_map(channel_of).find_map(|(of, _, unit)| unit.filter(|_| of == axis))
+}
+
 /// Axis, channel and unit from the name of a column. The longest suffix is used: `x_added_force_n` is not the force of an
-/// axis `x_added`. `None`: it is no channel.
+/// axis `x_added`. `None`: it is no channel. A temperature does not show the unit of its axis.
 #[must_use]
-pub fn channel_of(name: &str) -> Option<(&str, Channel, Unit)> {
+pub fn channel_of(name: &str) -> Option<(&str, Channel, Option<Unit>)> {
     let suffixes = Channel::ALL.iter().rev().flat_map(|&channel| {
         Unit::ALL.map(|unit| (format!("_{}_{}", channel.word(), unit.suffix(channel)), channel, unit))
     });
     let mut matching = suffixes.filter_map(|(suffix, channel, unit)| {
+        let unit = (channel.quantity() != Quantity::Temperature).then_some(unit);
         name.strip_suffix(suffix.as_str()).map(|axis| (axis, channel, unit))
     });
     matching.next().filter(|(axis, ..)| is_axis_name(axis))

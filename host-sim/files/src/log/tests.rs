@@ -38,6 +38,21 @@ fn a_log_has_the_values_of_the_file() {
     assert_eq!((&x.table, &x.tool, &x.added_force), (&None, &None, &None));
 }
 
+/// A temperature is in degrees Celsius on every axis, wherever its column stands, and survives a round trip.
+#[test]
+fn a_temperature_does_not_show_the_unit_of_its_axis() {
+    let text = "time_s,c_temperature_c,x_temperature_c,c_motor_deg\n0.000,20.5,19,1\n0.001,20.6,19,2\n0.002,20.7,19,3\n";
+    let log = Log::parse(text.as_bytes(), "fit.csv").unwrap();
+    let [c, x] = ["c", "x"].map(|name| log.axis(name).unwrap());
+    assert_eq!((c.unit, x.unit), (Unit::Degree, Unit::Millimetre));
+    assert_eq!(c.temperature.as_deref(), Some(&[20.5, 20.6, 20.7][..]));
+    let mut written = Vec::new();
+    log.write_csv(&mut written).unwrap();
+    assert_eq!(Log::parse(&written, "fit.csv").unwrap(), log);
+    let mixed = text.replace("c_motor_deg", "c_motor_deg,c_table_mm");
+    assert!(message(mixed.as_bytes()).contains("c_table_mm: expected unit deg as in c_motor_deg, found mm"));
+}
+
 #[test]
 fn spaces_quotes_line_ends_and_byte_order_marks_are_ignored() {
     let expected = Log::parse(LOG.as_bytes(), "fit.csv").unwrap();
@@ -75,7 +90,7 @@ fn a_wrong_header_is_an_error_that_names_the_column() {
         (
             "x_motor_mm",
             "x_motr_mm",
-            "line 1: x_motr_mm: expected a column time_s, or, of an axis x: x_command_mm, x_motor_mm, x_table_mm, x_tool_mm, x_force_n, x_added_force_n (rotary: _deg and _nm), found \"x_motr_mm\"",
+            "line 1: x_motr_mm: expected a column time_s, or, of an axis x: x_command_mm, x_motor_mm, x_table_mm, x_tool_mm, x_force_n, x_added_force_n, x_temperature_c (rotary: _deg and _nm), found \"x_motr_mm\"",
         ),
         (
             "x_motor_mm",

@@ -5,13 +5,13 @@ use std::path::Path;
 
 use flate2::{Compression, write::GzEncoder};
 
-use super::{Channel, Log};
+use super::{Channel, Log, Quantity};
 use crate::output::{OutputError, write_whole};
 
 /// Decimals of positions: 0.1 nm, below the resolution of any scale.
 const POSITION_DECIMALS: usize = 7;
-/// Decimals of forces: 0.1 mN.
-const FORCE_DECIMALS: usize = 4;
+/// Decimals of forces and temperatures: 0.1 mN, 0.1 mK.
+const OTHER_DECIMALS: usize = 4;
 /// Decimals of times: the smallest number that represents them exactly. A sample time that needs more than the maximum is
 /// rounded.
 const TIME_DECIMALS: std::ops::RangeInclusive<usize> = 3..=9;
@@ -105,7 +105,10 @@ impl<W: Write> RowWriter<W> {
         for axis in &head.axes {
             for channel in Channel::ALL.into_iter().filter(|&channel| axis.channel(channel).is_some()) {
                 write!(out, ",{}", axis.column(channel))?;
-                decimals.push(if channel.is_force() { FORCE_DECIMALS } else { POSITION_DECIMALS });
+                decimals.push(match channel.quantity() {
+                    Quantity::Position => POSITION_DECIMALS,
+                    Quantity::Force | Quantity::Temperature => OTHER_DECIMALS,
+                });
             }
         }
         writeln!(out)?;

@@ -26,6 +26,7 @@ mod friction_asymmetry;
 mod friction_map;
 mod friction_memory;
 mod friction_ripple;
+mod friction_temperature;
 mod friction_warm_up;
 mod gravity;
 mod inertial_windup;
@@ -99,6 +100,7 @@ pub use friction_asymmetry::FrictionAsymmetry;
 pub use friction_map::FrictionMap;
 pub use friction_memory::FrictionMemory;
 pub use friction_ripple::FrictionRipple;
+pub use friction_temperature::FrictionTemperature;
 pub use friction_warm_up::FrictionWarmUp;
 pub use gravity::Gravity;
 pub use inertial_windup::InertialWindup;
@@ -167,6 +169,7 @@ catalogue! {
     Gravity,
     MotorStribeck,
     FrictionWarmUp,
+    FrictionTemperature,
     FrictionMap,
     Presliding,
     ShearThinning,

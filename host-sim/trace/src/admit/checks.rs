@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use crate::options::{AdmissionOptions, TraceOptions};
 use files::error::InputError;
-use files::log::{Channel, Log, Unit};
+use files::log::{AxisLog, Channel, Log, Unit};
 use model::machine::{Axis, Machine};
 
 /// Largest travel of an axis in any position channel of a log, mm or degrees.
@@ -35,6 +35,19 @@ pub fn check(machine: &Machine, log: &Log, options: &AdmissionOptions) -> Result
                 format!("axis {}", axis.name),
             );
         }
+    }
+    let reads_temperature = |axis: &&AxisLog| {
+        let declared = machine.axis.get(&axis.name).into_iter().flat_map(|axis| &axis.effect);
+        axis.temperature.is_none() && declared.into_iter().any(|effect| effect.kind().reads_temperature)
+    };
+    if let Some(axis) = log.axes.iter().find(reads_temperature) {
+        return refuse(
+            format!(
+                "the column {}, on which the friction of the machine file depends",
+                axis.column(Channel::Temperature)
+            ),
+            "none".to_owned(),
+        );
     }
     let is_scheduled = |axis: &Axis| axis.settings.schedule.ratio.is_some();
     if let Some((name, _)) = machine.axis.iter().find(|(_, axis)| is_scheduled(axis)) {

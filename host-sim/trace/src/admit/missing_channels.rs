@@ -4,6 +4,7 @@
 //! axes: a log that lacks one of them, where other logs have it, says nothing of the tool.
 
 use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
 
 use files::error::InputError;
 use files::log::{AxisLog, Channel, Log};
@@ -25,6 +26,30 @@ pub fn remove_undriven_tools([fit, validate]: [&mut Vec<Cow<'_, Log>>; 2]) -> Ve
         }
     }
     notes
+}
+
+/// Removes the temperature of an axis that another log, fitted or held out, lacks: a model with it would describe some logs and not
+/// the others. Returns a note for each axis.
+pub fn remove_partial_temperatures([fit, validate]: [&mut Vec<Cow<'_, Log>>; 2]) -> Vec<String> {
+    let logs = || fit.iter().chain(&*validate);
+    let lacking: BTreeMap<String, String> = logs()
+        .flat_map(|log| log.axes.iter().map(move |axis| (axis, log)))
+        .filter(|(axis, _)| axis.temperature.is_none())
+        .map(|(axis, log)| (axis.name.clone(), log.source.clone()))
+        .collect();
+    let mut notes = BTreeSet::new();
+    for log in fit.iter_mut().chain(&mut *validate) {
+        let is_partial = |axis: &AxisLog| axis.temperature.is_some() && lacking.contains_key(&axis.name);
+        if !log.axes.iter().any(is_partial) {
+            continue;
+        }
+        for axis in log.to_mut().axes.iter_mut().filter(|axis| is_partial(axis)) {
+            axis.temperature = None;
+            let source = &lacking[&axis.name];
+            notes.insert(format!("{} temperature is not used, as {source} has none.", axis.name));
+        }
+    }
+    notes.into_iter().collect()
 }
 
 /// A tool that cannot be predicted like that of the fit logs.

@@ -23,6 +23,7 @@ pub fn usable<'a>(
     }
     checks::same_units(fit, validate)?;
     copies::refuse(fit.iter().chain(&*validate).map(AsRef::as_ref), options)?;
+    notes.extend(missing_channels::remove_partial_temperatures([&mut *fit, validate]));
     notes.extend(missing_channels::notes(machine, fit, validate)?);
     notes.extend(missing_channels::remove_undriven_tools([&mut *fit, validate]));
     saturation::check(machine, fit, options, &mut notes)?;

@@ -92,11 +92,14 @@ impl Squares {
         seconds: f64,
     ) -> Option<Self> {
         let motor = signals.motor.as_ref()?;
+        let [declared, better] = [declared, better].map(|model| signals.at_temperature(model));
         let rms_n = numerics::rms(signals.force.as_ref()?.raw.iter().copied());
         let added_n = (ADDED_PART * rms_n).max(LEAST_ADDED_N);
-        let runs_of = |parameters, added_n| Runs::of(parameters, signals, [sample_s, seconds, added_n]);
-        let [declared, after] = [runs_of(declared, 0.0)?, runs_of(better, 0.0)?];
-        let pushed = runs_of(better, added_n)?;
+        let runs_of = |parameters: &AxisParameters, added_n| {
+            Runs::of(parameters, signals, [sample_s, seconds, added_n])
+        };
+        let [declared, after] = [runs_of(&declared, 0.0)?, runs_of(&better, 0.0)?];
+        let pushed = runs_of(&better, added_n)?;
         let measured = &motor.raw[after.samples()];
         Some(Self {
             samples: after.motor_m.len(),

@@ -20,7 +20,7 @@ pub const fn others(channel: Channel) -> [Channel; 3] {
         Channel::Table => [Channel::Motor, Channel::Tool, Channel::Command],
         Channel::Tool => [Channel::Table, Channel::Motor, Channel::Command],
         Channel::Motor => [Channel::Table, Channel::Tool, Channel::Command],
-        Channel::Command | Channel::Force | Channel::AddedForce => SENSORS,
+        Channel::Command | Channel::Force | Channel::AddedForce | Channel::Temperature => SENSORS,
     }
 }
 
@@ -44,7 +44,7 @@ pub fn stages(axis: &AxisLog, channel: Channel) -> &'static [Stage] {
         Channel::Motor => &[Stage::Motor, Stage::Table, Stage::Force],
         Channel::Table => &[Stage::Table, Stage::Tool],
         Channel::Tool => &[Stage::Tool],
-        Channel::Force | Channel::AddedForce => &[Stage::Force, Stage::Table],
+        Channel::Force | Channel::AddedForce | Channel::Temperature => &[Stage::Force, Stage::Table],
     }
 }
 

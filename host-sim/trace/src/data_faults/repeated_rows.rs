@@ -47,7 +47,7 @@ fn columns(log: &Log) -> impl Iterator<Item = (usize, Channel, &[f64])> {
 }
 
 const fn is_measured(channel: Channel) -> bool {
-    !matches!(channel, Channel::Command | Channel::AddedForce)
+    !matches!(channel, Channel::Command | Channel::AddedForce | Channel::Temperature)
 }
 
 /// The measured channels of an axis, or all of the log if only one is measured: that one may be [`stuck`](super::stuck) by itself.

@@ -119,14 +119,14 @@ impl FitData<'_> {
     fn driven(&self, model: &AxisModel, parameters: &AxisParameters, log: usize) -> Option<Driven> {
         let signals = self.signals(log);
         let commanded = signals.motor_is_command.then(|| parameters.with_motor_as_commanded());
-        let parameters = commanded.as_ref().unwrap_or(parameters);
+        let parameters = signals.at_temperature(commanded.as_ref().unwrap_or(parameters));
         let input = DrivenInput {
             measured: self.measured_motor(log)?,
             sample_s: self.logs[log].sample_s,
             sampling: ForceSampling::new(&model.axis.settings.controller, &parameters.servo, self.rates),
             added_n: signals.added_force.as_ref().map(AddedForce::filtered_n),
         };
-        Some(driven::driven(parameters, &input))
+        Some(driven::driven(&parameters, &input))
     }
 
     fn measured_motor(&self, log: usize) -> Option<MeasuredMotor<'_>> {
@@ -240,7 +240,8 @@ impl FitData<'_> {
         let added =
             signals.added_force.as_ref().map(|added| added.from_sample_n(&model.axis.effect, sample_s));
         let controlled = Controlled { settings: &settings, rates: self.rates };
-        closed_loop(parameters, controlled, &command, &added.unwrap_or_default(), start)
+        let parameters = signals.at_temperature(parameters);
+        closed_loop(&parameters, controlled, &command, &added.unwrap_or_default(), start)
     }
 
     /// Standard deviation of the white noise in a stage's residual, µm or N: the smallest residual that a model can reach.

@@ -45,7 +45,7 @@ pub fn scopes(axis: &Axis, data: &FitData<'_>) -> (Vec<Scope>, Vec<NotTestable>)
 
 /// Where the axis shows the effects of stages whose channel no log has.
 fn shown_in(axis: &Axis, data: &FitData<'_>) -> ShownIn {
-    let logged = logged_channels(data.logs, data.axis);
+    let logged = logged_channels(data.logs, data.axis, &data.options.samples);
     let has_driven_tool = |log: usize| data.signals(log).tool.is_some() && data.signals(log).motor.is_some();
     ShownIn {
         table_in_tool: !logged.scale && (0..data.logs.len()).any(has_driven_tool),

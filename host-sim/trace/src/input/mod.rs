@@ -14,3 +14,4 @@ pub mod saturation;
 pub mod signals;
 pub mod smoothing;
 pub mod table_motions;
+pub mod temperature;

@@ -1,13 +1,17 @@
 //! A log prepared for tracing: channels in SI units, filtered and differentiated, with the noise of each.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use super::added_force::AddedForce;
 use super::motor_path::MotorPath;
 use super::smoothing::Smooth;
+use super::temperature;
 use crate::options::SampleOptions;
 use files::log::{AxisLog, Log, Unit};
 use model::effects::{LoggedChannels, Stage};
+use plant::guide_temperature::GuideTemperature;
+use plant::parameters::AxisParameters;
 
 /// One axis of one log, in SI units. For rotary axes, degrees are treated as mm and N·m as N.
 #[derive(Clone, Debug)]
@@ -41,6 +45,8 @@ pub struct AxisSignals {
     pub force: Option<Smooth>,
     /// Known force that was added to that of the controller and is contained in `force`; `None`: none was added.
     pub added_force: Option<AddedForce>,
+    /// Temperature of the guide; `None`: not measured.
+    pub temperature: Option<GuideTemperature>,
 }
 
 /// One log.
@@ -82,7 +88,10 @@ impl Signals {
                 let is_commanded = axis.motor.is_none() && steppers.contains(name);
                 AxisSignals::new(axis, is_commanded, (sample_s, half_window), options)
             });
-            AxisSignals { start_s: log.start_s, ..signals }
+            let times_s = [log.start_s, sample_s];
+            let temperature =
+                found.and_then(|axis| temperature::of_log(axis, times_s, options.temperature_smoothing_s));
+            AxisSignals { start_s: log.start_s, temperature, ..signals }
         };
         Self {
             source: log.source.clone(),
@@ -132,6 +141,7 @@ impl AxisSignals {
             faulty: [const { Vec::new() }; 4],
             force: None,
             added_force: None,
+            temperature: None,
         }
     }
 
@@ -167,7 +177,19 @@ impl AxisSignals {
             tool: smooth(&axis.tool),
             force: axis.force.clone().map(|raw| Smooth::new(raw, sample_s, half_window)),
             added_force: axis.added_force.clone().map(|raw| AddedForce::new(raw, sample_s, half_window)),
+            temperature: None,
         }
+    }
+
+    /// Parameters with the temperature of the guide in this log, where their friction depends on it.
+    #[must_use]
+    pub fn at_temperature<'p>(&self, parameters: &'p AxisParameters) -> Cow<'p, AxisParameters> {
+        if self.temperature.is_none() || !parameters.friction.temperature.changes() {
+            return Cow::Borrowed(parameters);
+        }
+        let mut parameters = parameters.clone();
+        parameters.friction.guide_temperature.clone_from(&self.temperature);
+        Cow::Owned(parameters)
     }
 
     /// Whether the motor has a reading of its own.
@@ -242,12 +264,16 @@ impl AxisSignals {
 
 /// The channels of an axis in the logs, of which some may lack all but the force.
 #[must_use]
-pub fn logged_channels(logs: &[Signals], axis: usize) -> LoggedChannels {
+pub fn logged_channels(logs: &[Signals], axis: usize, options: &SampleOptions) -> LoggedChannels {
     let one_has = |has: fn(&AxisSignals) -> bool| logs.iter().any(|log| has(&log.axes[axis]));
     LoggedChannels {
         motor: one_has(AxisSignals::has_motor_reading),
         scale: one_has(|axis| axis.table.is_some()),
         force: logs.iter().all(|log| log.axes[axis].force.is_some()),
+        temperature_c: temperature::mean_c(
+            logs.iter().map(|log| log.axes[axis].temperature.as_ref()),
+            options.min_temperature_range_c,
+        ),
     }
 }
 

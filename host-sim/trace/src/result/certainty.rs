@@ -49,7 +49,7 @@ pub fn doubted(axes: Vec<AxisFindings>, declared: &DeclaredMachine, fit_logs: &[
     let jitters = axes.iter().any(has_common_noise);
     let turned_s2 = turned_s2(&axes);
     let doubted = |(number, axis)| {
-        let channels = logged_channels(fit_logs, number);
+        let channels = logged_channels(fit_logs, number, &declared.options.samples);
         let logged = Logged { channels, session_s, jitters, turned_s2 };
         let axis = with_imitations(axis, &declared.machine, &logged, &declared.options.verdict);
         of_declared_values(axis, jitters, &declared.options.verdict)

@@ -15,7 +15,7 @@ pub fn missing_effects(data: &FitData<'_>, base: &Fitted, scope: &Scope) -> Vec<
     let others: Vec<String> = data.names.iter().filter(|name| *name != data.name()).cloned().collect();
     let residual = shape(data, &base.residuals, scope, &model.axis.settings.mechanics);
     let names: Vec<&'static str> = model.axis.effect.iter().map(Effect::name).collect();
-    let logged = logged_channels(data.logs, data.axis);
+    let logged = logged_channels(data.logs, data.axis, &data.options.samples);
     let context = EffectContext {
         axis: &model.axis.settings,
         logged,

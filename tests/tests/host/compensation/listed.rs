@@ -34,7 +34,7 @@ fn each_compensated_effect_of_the_catalogue_is_tested() {
 }
 
 /// All effects that a simulation has and that are not compensated, on one machine.
-const NOT_COMPENSATED: [&str; 16] = [
+const NOT_COMPENSATED: [&str; 17] = [
     "name = \"drive_asymmetry\"\npercent = 3.0",
     "name = \"drive_dead_time\"\nms = 0.05",
     "name = \"computation_delay\"\nperiods = 0.1",
@@ -42,6 +42,7 @@ const NOT_COMPENSATED: [&str; 16] = [
     "name = \"velocity_lag\"\nms = 0.2",
     "name = \"latency\"\nchannel = \"table\"\nms = 1.0",
     "name = \"shear_thinning\"\nforce_n = 20.0\nvelocity_mm_s = 5.0",
+    "name = \"friction_temperature\"\nreference_c = 20.0\nlevel_n_per_c = -1.0\nviscous_percent_per_c = -4.0\nsensor_late_s = 3.0",
     "name = \"quadratic_drag\"\nforce_n = 100.0",
     "name = \"scale_gain\"\num_per_m = 5.0",
     "name = \"scale_cyclic\"\namplitude_um = 0.5\nperiod_mm = 37.0",

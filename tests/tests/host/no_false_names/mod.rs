@@ -25,4 +25,5 @@ mod reported;
 mod resonance;
 mod screw;
 mod slices;
+mod temperature;
 mod wave_periods;

@@ -19,6 +19,7 @@ macro_rules! catalogue {
             special_form_of: $variant::SPECIAL_FORM_OF,
             is_linear: $variant::IS_LINEAR,
             needs_force: $variant::NEEDS_FORCE,
+            reads_temperature: $variant::READS_TEMPERATURE,
             drives: $variant::DRIVES,
             contains: $variant::CONTAINS,
             part_of_declared: $variant::PART_OF_DECLARED,
@@ -309,6 +310,8 @@ macro_rules! catalogue {
             pub is_linear: bool,
             /// [`EffectModel::NEEDS_FORCE`].
             pub needs_force: bool,
+            /// [`EffectModel::READS_TEMPERATURE`].
+            pub reads_temperature: bool,
             /// [`EffectModel::DRIVES`].
             pub drives: &'static [Drive],
             /// [`EffectModel::CONTAINS`].

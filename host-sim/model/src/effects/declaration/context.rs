@@ -7,7 +7,7 @@ use super::stage::Stage;
 use crate::axis::{Drive, Settings};
 
 /// Channels of an axis in the logs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoggedChannels {
     /// A motor reading: that of a stepper may be its command, which is none.
     pub motor: bool,
@@ -15,11 +15,13 @@ pub struct LoggedChannels {
     pub scale: bool,
     /// The force, in every log.
     pub force: bool,
+    /// Mean temperature, °C; `None` where a log lacks it, or it hardly varies.
+    pub temperature_c: Option<f64>,
 }
 
 impl LoggedChannels {
     /// All of them.
-    pub const ALL: Self = Self { motor: true, scale: true, force: true };
+    pub const ALL: Self = Self { motor: true, scale: true, force: true, temperature_c: Some(22.0) };
 }
 
 /// Data from which initial guesses are derived.

@@ -56,6 +56,9 @@ pub trait EffectModel: Sized + Clone {
     /// Whether the effect can be searched for only if every log has the force.
     const NEEDS_FORCE: bool = false;
 
+    /// Whether it acts by the temperature: a log without that channel then cannot be compared with the model.
+    const READS_TEMPERATURE: bool = false;
+
     /// The kinds of drive with which an axis can have the effect.
     const DRIVES: &'static [Drive] = Drive::ALL;
 

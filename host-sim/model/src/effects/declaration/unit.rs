@@ -30,6 +30,12 @@ pub enum Unit {
     NewtonPerMicrometre,
     /// N·s/m; N·m·s per 1000°.
     NewtonSecondPerMetre,
+    /// °C.
+    DegreeCelsius,
+    /// N/°C; N·m/°C.
+    NewtonPerDegreeCelsius,
+    /// %/°C.
+    PercentPerDegreeCelsius,
     /// s.
     Second,
     /// ms.
@@ -55,6 +61,7 @@ impl Unit {
                 | Self::NewtonPerSquareMetre
                 | Self::NewtonPerMicrometre
                 | Self::NewtonSecondPerMetre
+                | Self::NewtonPerDegreeCelsius
         )
     }
 
@@ -75,6 +82,9 @@ impl Unit {
             Self::NewtonPerSquareMetre => ["n_per_m2", "nm_per_kdeg2"],
             Self::NewtonPerMicrometre => ["n_per_um", "nm_per_mdeg"],
             Self::NewtonSecondPerMetre => ["n_s_per_m", "nm_s_per_kdeg"],
+            Self::DegreeCelsius => ["c"; 2],
+            Self::NewtonPerDegreeCelsius => ["n_per_c", "nm_per_c"],
+            Self::PercentPerDegreeCelsius => ["percent_per_c"; 2],
             Self::Second => ["s"; 2],
             Self::Millisecond => ["ms"; 2],
             Self::Hertz => ["hz"; 2],
@@ -101,6 +111,9 @@ impl Unit {
             Self::NewtonPerSquareMetre => ["N/m²", "N·m per (1000°)²"],
             Self::NewtonPerMicrometre => ["N/µm", "N·m/mdeg"],
             Self::NewtonSecondPerMetre => ["N·s/m", "N·m·s per 1000°"],
+            Self::DegreeCelsius => ["°C"; 2],
+            Self::NewtonPerDegreeCelsius => ["N/°C", "N·m/°C"],
+            Self::PercentPerDegreeCelsius => ["%/°C"; 2],
             Self::Second => ["s"; 2],
             Self::Millisecond => ["ms"; 2],
             Self::Hertz => ["Hz"; 2],
@@ -110,12 +123,12 @@ impl Unit {
         }
     }
 
-    /// A printed number with this unit. The degree sign follows the number without a space.
+    /// A printed number with this unit. The degree sign of an angle follows the number without a space.
     #[must_use]
     pub fn with(self, number: &str, is_rotary: bool) -> String {
         match self.symbols()[usize::from(is_rotary)] {
             "" => number.to_owned(),
-            symbol if symbol.starts_with('°') => format!("{number}{symbol}"),
+            symbol if symbol.starts_with('°') && self != Self::DegreeCelsius => format!("{number}{symbol}"),
             symbol => format!("{number} {symbol}"),
         }
     }
@@ -130,5 +143,6 @@ mod tests {
         assert_eq!(Unit::MillimetrePerSecond.with("3.1", true), "3.1°/s");
         assert_eq!(Unit::MillimetrePerSecond.with("3.1", false), "3.1 mm/s");
         assert_eq!(Unit::One.with("0.05", true), "0.05");
+        assert_eq!(Unit::DegreeCelsius.with("21.5", true), "21.5 °C");
     }
 }
