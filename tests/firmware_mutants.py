@@ -201,8 +201,12 @@ def main(what, output):
     program = build_tests(environment)
     if program is None:
         sys.exit("the tests do not compile")
-    sound = set()
+    sound, is_stale = set(), False
     for file, name, first, change in of_constants() if what == "constants" else of_file(what):
+        # The program of the tests has the last mutant of a file that the host compiles until it is built again.
+        if is_stale:
+            program = build_tests(environment)
+        is_stale = file.startswith(FOR_HOST)
         # The tests of a file pass without a mutant.
         tests = tuple(tests_of(file))
         if tests not in sound:
