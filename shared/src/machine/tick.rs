@@ -9,6 +9,7 @@ use crate::compensate::Correction;
 use crate::config::{AxisConfig, ScheduledOver};
 use crate::control::gain_schedule::Gains;
 use crate::feedback::Reading;
+use crate::following::Ending;
 use crate::safety::{Event, Fault, FaultKind, FaultSet, Power};
 use crate::scalar::Scalar;
 use crate::units::{PER_NM, Position};
@@ -177,6 +178,9 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
             self.schedule(state);
         }
         state.follow_next();
+        if state.path.follows() {
+            self.raise_ended(state);
+        }
         let mut faults = [FaultSet::NONE; N];
         for (((((faults, axis), config), command), reading), correction) in faults
             .iter_mut()
@@ -191,6 +195,19 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         state.raise(self, faults);
         if state.path.has_stopped() {
             self.stopped(state);
+        }
+    }
+
+    /// Raises the fault of an axis that follows a counter no longer.
+    #[cold]
+    #[inline(never)]
+    fn raise_ended(&self, state: &mut State<S, N>) {
+        if let Some((axis, ending)) = state.path.take_ended() {
+            let kind = match ending {
+                Ending::Lag => FaultKind::GearLag,
+                Ending::Travel => FaultKind::SoftLimit,
+            };
+            state.fault(self, Fault::Axis { axis: u8::try_from(axis).unwrap_or(u8::MAX), kind });
         }
     }
 
