@@ -12,6 +12,7 @@ use shared::link::feed_override::FeedOverride;
 use shared::link::report::{Activity, AxisStatus, DirectionReport, UsbState};
 use shared::link::{Status, Welcome};
 use shared::safety::Power;
+use shared::units::Position;
 
 /// Arguments of `board status`.
 #[derive(clap::Args)]
