@@ -78,7 +78,6 @@ impl Gear {
         let counts = u64::from(self.counts);
         // Not negative with 2³¹·C more, below 2⁶³.
         let value = value.wrapping_add(i64::from(self.counts) << 31).cast_unsigned();
-        #[expect(clippy::cast_possible_truncation, reason = "the upper half")]
         let mut quotient = ((u128::from(value) * u128::from(self.reciprocal)) >> 64) as u64;
         let mut remainder = value.wrapping_sub(quotient.wrapping_mul(counts));
         // The reciprocal is less than 1 + 1/C too small, and value below 2⁶³: the quotient is at most 1 too small.

@@ -21,7 +21,7 @@
 //!
 //! Others do the same: LinuxCNC's `limit3` follows a position within limits of speed and acceleration and catches up; Beckhoff's
 //! `E_GearInMultiMasterSyncMode` has `POSSYNC1`, by which a position difference of a dynamic limitation is caught up later; SEW's `MC_GearIn` has
-//! `CatchUp`. The `MC_GearIn` of PLCopen, without it, loses what the limits take: a counter of steps would then no longer tell the position. Unlike
+//! `CatchUp`. The `MC_GearIn` of `PLCopen`, without it, loses what the limits take: a counter of steps would then no longer tell the position. Unlike
 //! these, whose lag has no bound of its own, the axis stops when the lag is beyond a declared distance.
 //!
 //! A counter whose wire breaks stands; nothing here can tell it from a master that stands.

@@ -178,9 +178,6 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
             self.schedule(state);
         }
         state.follow_next();
-        if state.path.follows() {
-            self.raise_ended(state);
-        }
         let mut faults = [FaultSet::NONE; N];
         for (((((faults, axis), config), command), reading), correction) in faults
             .iter_mut()
@@ -193,15 +190,15 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
             *faults = axis.position_tick(config, command, correction, *reading);
         }
         state.raise(self, faults);
-        if state.path.has_stopped() {
-            self.stopped(state);
+        if !state.path.is_planned() {
+            self.not_planned(state);
         }
     }
 
-    /// Raises the fault of an axis that follows a counter no longer.
+    /// A stop of the path, or axes that follow counters: raises the fault of one that does so no longer, and ends a stop.
     #[cold]
     #[inline(never)]
-    fn raise_ended(&self, state: &mut State<S, N>) {
+    fn not_planned(&self, state: &mut State<S, N>) {
         if let Some((axis, ending)) = state.path.take_ended() {
             let kind = match ending {
                 Ending::Lag => FaultKind::GearLag,
@@ -209,11 +206,12 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
             };
             state.fault(self, Fault::Axis { axis: u8::try_from(axis).unwrap_or(u8::MAX), kind });
         }
+        if state.path.has_stopped() {
+            self.stopped(state);
+        }
     }
 
     /// The path has stopped: the drives go off if it was by a fault, with brakes after these have closed.
-    #[cold]
-    #[inline(never)]
     fn stopped(&self, state: &mut State<S, N>) {
         let has_brakes = self.brake_times().is_some();
         let event = if has_brakes && matches!(state.power, Power::Stopping(_)) {

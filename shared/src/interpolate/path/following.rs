@@ -76,6 +76,13 @@ impl<const N: usize> Path<N> {
         matches!(self.course, Course::Following | Course::StoppingFollowers)
     }
 
+    /// Whether the next command is that of the blocks, or of rest: neither a stop along the blocks nor axes that follow counters.
+    #[inline]
+    #[must_use]
+    pub const fn is_planned(&self) -> bool {
+        matches!(self.course, Course::Planned)
+    }
+
     /// How far an axis that follows a counter is from its setpoint, position units; `None`: it does not follow.
     #[must_use]
     pub fn following_lag(&self, axis: usize) -> Option<i64> {

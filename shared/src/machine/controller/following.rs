@@ -3,6 +3,7 @@
 use super::Machine;
 use crate::following::{FollowError, FollowSettings};
 use crate::interpolate::PathError;
+use crate::machine::MachineConfig;
 use crate::scalar::Scalar;
 
 impl<S: Scalar, const N: usize> Machine<S, N> {
@@ -23,7 +24,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
             let axis = u8::try_from(axis).unwrap_or(u8::MAX);
             return Err(PathError::NotHomed { axis }.into());
         }
-        let deceleration = self.config.as_ref().map_or(1, |config| config.stop_deceleration());
+        let deceleration = self.config.as_ref().map_or(1, MachineConfig::stop_deceleration);
         self.state.path.engage(axis, count, settings, deceleration)
     }
 
