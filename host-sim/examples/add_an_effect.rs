@@ -34,7 +34,7 @@ fn forces_n() -> Result<(Effect, Vec<ForceAt>), Box<dyn std::error::Error>> {
     let machine = Machine::parse(&format!("{VMC_MACHINE}{ENTRY}"), "machine.toml")?;
     let axis = &machine.axis["x"];
     let friction = AxisParameters::of(axis).friction;
-    let force_n = |m_per_s: f64| (m_per_s, friction.beyond_linear_n(m_per_s, 0.0));
+    let force_n = |m_per_s: f64| (m_per_s, friction.beyond_linear_n(m_per_s));
     Ok((axis.effect[0].clone(), [-1.0, -0.5, 0.0, 0.5, 1.0].map(force_n).to_vec()))
 }
 

@@ -31,7 +31,7 @@ impl Master {
     }
 
     /// Its counter.
-    pub const fn count(&self) -> u32 {
+    pub const fn count(self) -> u32 {
         self.count
     }
 }

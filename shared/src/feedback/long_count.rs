@@ -47,7 +47,6 @@ mod tests {
         for step in 0..100_000u32 {
             let raw = (0x7ffe + 7 * (step + 1)) & 0xffff;
             sum += 7;
-            #[expect(clippy::cast_possible_truncation, reason = "16 bits")]
             let raw = raw as u16;
             assert_eq!(count.read(raw), sum);
         }
