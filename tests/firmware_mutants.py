@@ -89,7 +89,7 @@ CONSTANTS = [
     ("board/switches.rs", "SCALE_SIGNALS: [u32; AXES] = [1 << 3, 1 << 10]", "SCALE_SIGNALS: [u32; AXES] = [1 << 10, 1 << 3]", "board_boot::wiring::each_scale"),
     ("board/switches.rs", "PROBE: u32 = 1 << 15", "PROBE: u32 = 1 << 14", "board_boot::wiring::the_probe"),
     # Y reads the scale of X.
-    ("board/sensors.rs", "self.y_scale.as_mut().map(Quadrature::position)", "self.x_scale.as_ref().map(LongQuadrature::position)", "board_boot::wiring::each_scale"),
+    ("board/sensors.rs", "YScale::Scale(scale) => (Some(scale.position()), None)", "YScale::Scale(_) => (x_table, None)", "board_boot::wiring::each_scale"),
     ("board/sensors.rs", "self.x.take_index() } else { self.y.take_index()", "self.y.take_index() } else { self.x.take_index()", "board_boot::wiring::each_index"),
     ("board/watchdog.rs", "PERIOD_MS: u32 = 10", "PERIOD_MS: u32 = 1000", "registers::"),
     ("board/watchdog.rs", "LONGEST_MS: u32 = 32_767", "LONGEST_MS: u32 = 10", "board_boot::stored::a_save"),
@@ -201,12 +201,19 @@ def main(what, output):
     program = build_tests(environment)
     if program is None:
         sys.exit("the tests do not compile")
-    sound = set()
+    sound, is_stale = set(), False
     for file, name, first, change in of_constants() if what == "constants" else of_file(what):
+        # The program of the tests has the last mutant of a file that the host compiles until it is built again.
+        if is_stale:
+            program = build_tests(environment)
+        is_stale = file.startswith(FOR_HOST)
         # The tests of a file pass without a mutant.
         tests = tuple(tests_of(file))
         if tests not in sound:
             kind, test = outcome_of(file, program, environment)
+            if kind != "missed":
+                # Once more: a busy computer may have been too slow.
+                kind, test = outcome_of(file, program, environment)
             if kind != "missed":
                 sys.exit(f"without a mutant of {file}: {kind} {test}")
             sound.add(tests)

@@ -11,6 +11,7 @@ pub mod drive;
 pub mod excitation;
 pub mod feedback;
 pub mod figures;
+pub mod following;
 pub mod homing;
 mod integer;
 pub mod interpolate;

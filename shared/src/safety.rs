@@ -55,7 +55,8 @@
 //! | watchdog | at start-up, by the board | enable inhibited until acknowledged | the previous run ended by a watchdog reset |
 //! | stored settings: the flash holds settings that cannot be used | at start-up, by the board | enable inhibited until acknowledged | the settings are those of the program instead |
 //! | force saturated for longer than its budget; unsaturated time earns back a quarter | every tick | stop | the axis cannot follow; a lower acceleration helps |
-//! | soft limit: the command moves outwards beyond the travel, or further out than an axis that was enabled outside it | every position tick | stop | only the program is wrong; the way back stays open |
+//! | soft limit: the command moves outwards beyond the travel, or further out than an axis that was enabled outside it; an axis that follows a counter could no longer stop within it | every position tick | stop | only the program is wrong; the way back stays open |
+//! | gear lag: an axis that follows a counter is further from its setpoint than declared | every position tick | stop | the master is faster than the axis may be; caught up, it would go on for long after the master stands |
 //! | scale lost | every position tick | warn | the axis continues on its motor encoder, without a step |
 //! | scale lost | at enable | enable inhibited until acknowledged | when the scale returns, the axis would jump to its reading |
 //! | displaced: an axis is away from the start of the waiting path | at enable | warn, discard the path | the axis holds its position instead of jumping to the start of the path |
@@ -89,11 +90,13 @@ pub enum FaultKind {
     LimitSwitch,
     /// The motor has moved while the scale of the loop stood still.
     ScaleFrozen,
+    /// An axis that follows a counter is further from its setpoint than declared.
+    GearLag,
 }
 
 impl FaultKind {
     /// Every kind, the most severe reaction first.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::FollowingError,
         Self::Disagreement,
         Self::EncoderStep,
@@ -104,6 +107,7 @@ impl FaultKind {
         Self::ForceSaturated,
         Self::SoftLimit,
         Self::LimitSwitch,
+        Self::GearLag,
         Self::ScaleLost,
         Self::Displaced,
     ];
@@ -119,7 +123,7 @@ impl FaultKind {
             | Self::ScaleFrozen
             | Self::DriveFault
             | Self::EncoderSignal => Reaction::DriveOff,
-            Self::ForceSaturated | Self::SoftLimit | Self::LimitSwitch => Reaction::Stop,
+            Self::ForceSaturated | Self::SoftLimit | Self::LimitSwitch | Self::GearLag => Reaction::Stop,
             Self::ScaleLost | Self::Displaced => Reaction::Warn,
         }
     }

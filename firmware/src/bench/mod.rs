@@ -7,6 +7,7 @@
 mod axis;
 mod brake;
 mod cogging;
+mod master;
 mod signals;
 
 use shared::capture::ChannelSteps;
@@ -29,6 +30,8 @@ pub use axis::COUNT;
 use axis::{AxisPlant, Frozen, INDEX_M, LEAD_M, Surroundings};
 use brake::Brake;
 pub use cogging::{COGGING, CoggingWave};
+pub use master::MASTER_TURN;
+use master::Master;
 pub use signals::signals;
 
 /// Width of the dead zone between screw and table, m. Not declared in the machine file.
@@ -130,6 +133,8 @@ pub struct Bench {
     enabled: bool,
     /// The brake of y, which a horizontal axis does not have.
     y_brake: Brake,
+    /// The encoder at the counter of x, beside its scale: a real board has one of both there.
+    master: Master,
     operator_inputs: OperatorInputs,
 }
 
@@ -155,6 +160,8 @@ pub struct OperatorInputs {
     pub x_stop: bool,
     /// A workpiece is before x, whose probe is on its table, from [`WORKPIECE_M`] on.
     pub x_workpiece: bool,
+    /// Counts by which the master of x still has to turn.
+    pub master_counts: i32,
     /// The next tick with the power stages on takes one and a half periods.
     pub slow_tick: bool,
     /// The interrupts are held off for two periods.
@@ -170,6 +177,7 @@ impl Bench {
             forces: [0.0; AXES],
             enabled: false,
             y_brake: Brake::CLOSED,
+            master: Master::default(),
             operator_inputs: OperatorInputs {
                 enable_switch: false,
                 emergency_stop: false,
@@ -180,6 +188,7 @@ impl Bench {
                 y_loaded: false,
                 x_stop: false,
                 x_workpiece: false,
+                master_counts: 0,
                 slow_tick: false,
                 held_off: false,
             },
@@ -196,6 +205,7 @@ impl Bench {
         let OperatorInputs { x_frozen, x_cogging, x_stop, y_vertical: vertical, y_loaded: loaded, .. } =
             self.operator_inputs;
         self.y_brake.step();
+        self.master.step(&mut self.operator_inputs.master_counts);
         let forces = if self.enabled { self.forces } else { [0.0; AXES] };
         let [x, y] = &mut self.axes;
         let motor_n = if x_cogging { cogging::force_n(x.motor()) } else { 0.0 };
@@ -234,6 +244,7 @@ impl Board<AXES, DriveSignal> for Bench {
             ..AxisInputs::NONE
         });
         axes[0].signals = Some(x_signals);
+        axes[0].counter = Some(self.master.count());
         let [x, _] = &self.axes;
         let probe_touched = self.operator_inputs.x_workpiece && !x.is_below(WORKPIECE_M);
         let emergency_stop = self.operator_inputs.emergency_stop;

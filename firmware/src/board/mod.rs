@@ -205,6 +205,7 @@ impl Hardware {
             scale_index: self.sensors.scale_index(axis),
             bad_encoder_signal: !self.sensors.is_good(axis),
             signals: self.sensors.signals(axis),
+            counter: self.sensors.counter(axis),
             ..self.switches.axis(axis, table)
         }
     }

@@ -2,6 +2,7 @@
 
 use shared::feedback::counter::Counter;
 use shared::feedback::encoder::Encoder;
+use shared::feedback::long_count::LongCount;
 use shared::units::Position;
 use stm32f4xx_hal::pac::{TIM3, TIM4, TIM5, TIM8};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
@@ -91,6 +92,45 @@ impl<Timer: EncoderTimer<Count = u16>> Quadrature<Timer> {
     /// The position at an index pulse since the previous call. To be called after [`Quadrature::position`] of the same tick.
     pub fn take_index(&mut self) -> Option<Position> {
         self.timer.take_index().map(|count| self.encoder.position_at(count))
+    }
+}
+
+/// A counter of 32 bits without a conversion, at the input of a scale where there is none: an axis may follow it.
+pub struct FreeCounter(TIM5);
+
+impl FreeCounter {
+    /// Starts the counter.
+    pub fn new(timer: TIM5, rcc: &mut Rcc) -> Self {
+        TIM5::enable(rcc);
+        TIM5::reset(rcc);
+        timer.start();
+        Self(timer)
+    }
+
+    /// The counter.
+    pub fn count(&self) -> u32 {
+        self.0.count()
+    }
+}
+
+/// A counter of 16 bits, counted on over 32, as [`FreeCounter`].
+pub struct LongFreeCounter {
+    timer: TIM8,
+    count: LongCount,
+}
+
+impl LongFreeCounter {
+    /// Starts the counter.
+    pub fn new(timer: TIM8, rcc: &mut Rcc) -> Self {
+        TIM8::enable(rcc);
+        TIM8::reset(rcc);
+        timer.start();
+        Self { count: LongCount::at(timer.count()), timer }
+    }
+
+    /// The counter. To be called in every tick.
+    pub fn count(&mut self) -> u32 {
+        self.count.read(self.timer.count())
     }
 }
 

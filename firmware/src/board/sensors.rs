@@ -9,7 +9,7 @@ use stm32f4xx_hal::pac::{TIM3, TIM4, TIM5, TIM8};
 use stm32f4xx_hal::rcc::Rcc;
 
 use super::converter::Conversions;
-use super::quadrature::{EncoderTimer, LongQuadrature, Quadrature};
+use super::quadrature::{EncoderTimer, FreeCounter, LongFreeCounter, LongQuadrature, Quadrature};
 use crate::setup::{AXES, AxisTable, MotorSensor, SetupError};
 
 /// The timers of motor encoders and scales.
@@ -80,12 +80,26 @@ impl<Timer: EncoderTimer<Count = u16>> Motor<Timer> {
     }
 }
 
+/// What is at the input of the scale of x.
+enum XScale {
+    Scale(LongQuadrature<TIM5>),
+    Counter(FreeCounter),
+}
+
+/// What is at the input of the scale of y.
+enum YScale {
+    Scale(Quadrature<TIM8>),
+    Counter(LongFreeCounter),
+}
+
 /// The sensors of both axes, read once in a tick.
 pub struct Sensors {
     x: Motor<TIM3>,
     y: Motor<TIM4>,
-    x_scale: Option<LongQuadrature<TIM5>>,
-    y_scale: Option<Quadrature<TIM8>>,
+    x_scale: XScale,
+    y_scale: YScale,
+    /// The counters where there is no scale.
+    counters: [Option<u32>; AXES],
     scale_signals: [ScaleSignal; AXES],
     readings: [Reading; AXES],
 }
@@ -97,13 +111,20 @@ impl Sensors {
     /// [`SetupError::Encoder`] for a count or a resolver of the table.
     pub fn new(table: &[AxisTable; AXES], timers: Timers, rcc: &mut Rcc) -> Result<Self, SetupError> {
         let [x, y] = table;
-        let x_scale = x.scale_m_per_count.map(|metres| LongQuadrature::new(timers.x_scale, metres, rcc));
-        let y_scale = y.scale_m_per_count.map(|metres| Quadrature::new(timers.y_scale, metres, rcc));
+        let x_scale = match x.scale_m_per_count {
+            Some(metres) => XScale::Scale(LongQuadrature::new(timers.x_scale, metres, rcc)?),
+            None => XScale::Counter(FreeCounter::new(timers.x_scale, rcc)),
+        };
+        let y_scale = match y.scale_m_per_count {
+            Some(metres) => YScale::Scale(Quadrature::new(timers.y_scale, metres, rcc)?),
+            None => YScale::Counter(LongFreeCounter::new(timers.y_scale, rcc)),
+        };
         Ok(Self {
             x: Motor::new(timers.x, &x.motor, rcc)?,
             y: Motor::new(timers.y, &y.motor, rcc)?,
-            x_scale: x_scale.transpose()?,
-            y_scale: y_scale.transpose()?,
+            x_scale,
+            y_scale,
+            counters: [None; AXES],
             scale_signals: [ScaleSignal::NEW; AXES],
             readings: [Reading { motor: Position(0), table: None }; AXES],
         })
@@ -113,10 +134,16 @@ impl Sensors {
     pub fn read(&mut self, conversions: &Conversions, have_signal: [bool; AXES]) {
         let [x, y] = conversions.resolvers;
         // Each is read in every tick: a counter of 16 bits must not wrap unseen.
-        let mut tables = [
-            self.x_scale.as_ref().map(LongQuadrature::position),
-            self.y_scale.as_mut().map(Quadrature::position),
-        ];
+        let (x_table, x_count) = match &self.x_scale {
+            XScale::Scale(scale) => (Some(scale.position()), None),
+            XScale::Counter(counter) => (None, Some(counter.count())),
+        };
+        let (y_table, y_count) = match &mut self.y_scale {
+            YScale::Scale(scale) => (Some(scale.position()), None),
+            YScale::Counter(counter) => (None, Some(counter.count())),
+        };
+        self.counters = [x_count, y_count];
+        let mut tables = [x_table, y_table];
         for ((table, signal), present) in tables.iter_mut().zip(&mut self.scale_signals).zip(have_signal) {
             if !signal.update(present) {
                 *table = None;
@@ -141,11 +168,16 @@ impl Sensors {
 
     /// The scale reading at an index pulse since the last tick.
     pub fn scale_index(&mut self, axis: usize) -> Option<Position> {
-        if axis == 0 {
-            self.x_scale.as_ref().and_then(LongQuadrature::take_index)
-        } else {
-            self.y_scale.as_mut().and_then(Quadrature::take_index)
+        match (axis, &self.x_scale, &mut self.y_scale) {
+            (0, XScale::Scale(scale), _) => scale.take_index(),
+            (1, _, YScale::Scale(scale)) => scale.take_index(),
+            _ => None,
         }
+    }
+
+    /// The counter at the input of the scale, where there is none.
+    pub fn counter(&self, axis: usize) -> Option<u32> {
+        self.counters.get(axis).copied().flatten()
     }
 
     /// The signals of the motor's sensor, if it has some.

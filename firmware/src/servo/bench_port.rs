@@ -1,6 +1,6 @@
 //! The bytes of the bench: what a person does at the machine.
 
-use crate::bench::OperatorInputs;
+use crate::bench::{MASTER_TURN, OperatorInputs};
 
 /// The byte that ends the emulator.
 pub const END: u8 = b'q';
@@ -19,8 +19,20 @@ pub const END: u8 = b'q';
 /// | `a`, `d` | puts 3 kg on the table of y, takes them away |
 /// | `b`, `u` | puts a hard stop before x, takes it away |
 /// | `p`, `x` | puts a workpiece before the probe of x, takes it away |
+/// | `j`, `z` | turns the master at the counter of x forwards, back by a turn |
 /// | `s`, `i` | makes the next tick with the stages on slow, holds off the interrupts of the ticks |
 pub fn operate(operator_inputs: &mut OperatorInputs, byte: u8) -> bool {
+    let turns = &mut operator_inputs.master_counts;
+    match byte {
+        b'j' => *turns = turns.saturating_add(MASTER_TURN),
+        b'z' => *turns = turns.saturating_sub(MASTER_TURN),
+        _ => return operate_switch(operator_inputs, byte),
+    }
+    true
+}
+
+/// Operates an input that is on or off.
+fn operate_switch(operator_inputs: &mut OperatorInputs, byte: u8) -> bool {
     let (input, on) = match byte {
         b'c' => (&mut operator_inputs.enable_switch, true),
         b'o' => (&mut operator_inputs.enable_switch, false),

@@ -2,6 +2,7 @@
 
 use shared::drive::direction_check::DirectionResult;
 use shared::excitation::ExcitationProblem;
+use shared::following::FollowError;
 use shared::interpolate::PathError;
 use shared::link::Refusal;
 use shared::link::halt::Halt;
@@ -69,6 +70,7 @@ pub fn text(refusal: &Refusal) -> String {
         Refusal::NothingMoves => "nothing moves or is held: an override applies to a motion that runs".into(),
         Refusal::Excitation(problem) => excitation_problem(*problem).into(),
         Refusal::Probe(error) => probe(*error),
+        Refusal::Follow(error) => follow(*error),
         Refusal::BrakesMove => "its brakes open or close, and the drives hold the axes; try again".into(),
         Refusal::Busy => "the path changes too fast; try again".into(),
     }
@@ -96,6 +98,25 @@ fn path(error: PathError) -> String {
             problem.replacen(&format!("axis {axis}"), &axis_name(axis), 1)
         }
         _ => problem,
+    }
+}
+
+/// Why an axis does not follow a counter, in words.
+fn follow(error: FollowError) -> String {
+    match error {
+        FollowError::Ratio => {
+            "the ratio: expected 1 pm to 100 m for 1 to 2147483647 counts, at most 1.048 mm a count".into()
+        }
+        FollowError::Speed => "the speed: expected a number above 0 and up to 10 m/s".into(),
+        FollowError::Acceleration => "the acceleration: expected a number above 0 and up to 1000 m/s²".into(),
+        FollowError::Lag => "the lag: expected 0.001 to 100 mm".into(),
+        FollowError::NoCounter => {
+            "there is no counter at this input: a scale is connected there, or nothing".into()
+        }
+        FollowError::Engaged => "the axis follows a counter already; `board stop` ends it".into(),
+        FollowError::Moving => "the axes move; `board stop` ends it".into(),
+        FollowError::NoSuchAxis => "it has no such axis".into(),
+        FollowError::Path(error) => path(error),
     }
 }
 
@@ -288,7 +309,10 @@ const fn kind_text(kind: FaultKind) -> &'static str {
         FaultKind::Disagreement => "motor and scale disagree",
         FaultKind::EncoderStep => "the motor reading has jumped",
         FaultKind::ForceSaturated => "the force was at its limit for too long",
-        FaultKind::SoftLimit => "the command has left the travel",
+        FaultKind::SoftLimit => "the command has left the travel, or was about to",
+        FaultKind::GearLag => {
+            "it lags behind the counter that it follows: the counter is faster than the axis may be"
+        }
         FaultKind::ScaleLost => "the scale has no signal",
         FaultKind::EncoderFrozen => "the motor reading does not move",
         FaultKind::ScaleFrozen => "the motor moves and the scale reading does not",

@@ -212,6 +212,9 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
         self.inputs = self.debounce.update(samples);
         let from_power_up = board.readings();
         self.machine.set_limit_switches(self.inputs.axes.map(|axis| axis.limits));
+        if self.machine.follows() {
+            self.machine.set_counters(self.inputs.axes.map(|axis| axis.counter));
+        }
         self.home_tick(&from_power_up);
         self.probe_tick();
         let [last, _] = self.recent;

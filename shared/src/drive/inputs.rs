@@ -58,6 +58,8 @@ pub struct AxisInputs {
     pub bad_encoder_signal: bool,
     /// Sine and cosine of that encoder or resolver; `None`: the sensor has none.
     pub signals: Option<EncoderSignals>,
+    /// External counter at the input of the scale, over all 32 bits; `None`: a scale is there, or nothing.
+    pub counter: Option<u32>,
 }
 
 impl AxisInputs {
@@ -70,6 +72,7 @@ impl AxisInputs {
         drive_fault: false,
         bad_encoder_signal: false,
         signals: None,
+        counter: None,
     };
 }
 

@@ -15,6 +15,7 @@ pub mod counter;
 pub mod dual;
 pub mod encoder;
 pub mod exponential_decay;
+pub mod long_count;
 pub mod phase;
 mod reading;
 pub mod resolver;

@@ -27,6 +27,8 @@ pub enum PathError {
     QueueFull,
     /// The drives are off after an interruption, or the path is stopping: it will be discarded.
     Interrupted,
+    /// An axis follows a counter.
+    Following,
     /// The machine has no settings yet.
     NotConfigured,
     /// The block leaves the travel of an axis, or leads further out where the axis is outside already.
@@ -92,6 +94,7 @@ impl core::fmt::Display for PathError {
             }
             Self::NotHomed { axis } => write!(f, "axis {axis}: it has to be homed before a program moves it"),
             Self::NotConfigured => write!(f, "the machine has no settings yet"),
+            Self::Following => write!(f, "an axis follows a counter"),
             Self::Interrupted => {
                 write!(f, "the drives have gone off, or stop the path: it is forgotten")
             }

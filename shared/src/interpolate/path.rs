@@ -2,12 +2,14 @@
 
 mod brake;
 mod feed;
+mod following;
 mod queue_copy;
 mod stop;
 
 use heapless::Deque;
 
 use brake::Brake;
+use following::Followers;
 
 use super::block::Block;
 use super::error::PathError;
@@ -30,7 +32,7 @@ pub const QUEUE: usize = 16;
 pub struct Path<const N: usize> {
     started: bool,
     feed_hold: FeedHold,
-    braking: Option<Brake>,
+    course: Course,
     /// Progress of the first block, if `started`.
     progress: Progress,
     /// Position on the path, before the filters.
@@ -47,6 +49,21 @@ pub struct Path<const N: usize> {
     filters: Filters<N>,
     filter_state: FilterState<N>,
     blocks: Deque<PlannedBlock<N>, QUEUE>,
+    /// The axes that follow counters, in the courses of that name.
+    followers: Followers<N>,
+}
+
+/// What the next command is from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Course {
+    /// The blocks of the queue, or rest.
+    Planned,
+    /// A stop along the blocks.
+    Braking(Brake),
+    /// Axes follow counters, or decelerate from that.
+    Following,
+    /// Axes that followed counters stop, and the path is discarded then.
+    StoppingFollowers,
 }
 
 impl<const N: usize> Path<N> {
@@ -55,7 +72,7 @@ impl<const N: usize> Path<N> {
         blocks: Deque::new(),
         progress: Progress::NONE,
         started: false,
-        braking: None,
+        course: Course::Planned,
         feed_hold: FeedHold::RUNNING,
         revision: 0,
         position: [Position(0); N],
@@ -65,6 +82,7 @@ impl<const N: usize> Path<N> {
         rate_hz: 0.0,
         travel: [[Position(i64::MIN), Position(i64::MAX)]; N],
         blocked: [[false; 2]; N],
+        followers: Followers::NONE,
     };
 
     /// An empty path at `start` with a command every 1/`rate_hz`.
@@ -226,7 +244,7 @@ impl<const N: usize> Path<N> {
     /// Whether every block has ended and the command is at rest at the end of the last one.
     #[must_use]
     pub fn is_done(&self) -> bool {
-        self.blocks.is_empty() && self.is_settled()
+        self.blocks.is_empty() && self.is_settled() && !self.do_followers_move()
     }
 
     fn is_settled(&self) -> bool {
@@ -242,7 +260,7 @@ impl<const N: usize> Path<N> {
     /// Discards every block and rests at a position. The override remains.
     pub fn rest_at(&mut self, position: &[Position; N]) {
         self.clear_queue();
-        self.braking = None;
+        self.course = Course::Planned;
         self.feed_hold.rest();
         (self.position, self.planned_end) = (*position, *position);
         self.filter_state.rest_at(position);
@@ -250,6 +268,7 @@ impl<const N: usize> Path<N> {
 
     fn clear_queue(&mut self) {
         self.blocks.clear();
+        self.end_followers();
         self.started = false;
         self.revision = self.revision.wrapping_add(1);
     }
@@ -271,9 +290,10 @@ impl<const N: usize> Path<N> {
     /// Advances by a tick.
     #[inline(never)]
     fn step(&mut self) {
-        let moves = match self.braking {
-            None => self.follow(),
-            Some(brake) => self.follow_braking(brake),
+        let moves = match self.course {
+            Course::Planned => self.follow(),
+            Course::Braking(brake) => self.follow_braking(brake),
+            Course::Following | Course::StoppingFollowers => self.follow_counters(),
         };
         self.filter_state.step(&self.filters, &self.position, moves);
     }

@@ -2,6 +2,7 @@
 
 mod excitation;
 mod feed_override;
+mod following;
 mod halts;
 mod measuring;
 mod probing;

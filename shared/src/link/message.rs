@@ -14,6 +14,7 @@ use crate::capture::Trigger;
 use crate::compensate::CompensationKind;
 use crate::drive::direction_check::DirectionCheckSettings;
 use crate::excitation::ExcitationSettings;
+use crate::following::FollowSettings;
 use crate::homing::HardStopSettings;
 use crate::interpolate::Block;
 use crate::probing::ProbeSettings;
@@ -188,6 +189,14 @@ pub enum Request {
         axis: u8,
         /// How it is moved.
         settings: ProbeSettings,
+    },
+    /// Lets an axis at rest follow an external counter, with the drives on, until a hold, a stop, the drives off, a fault, or a silence of the host by
+    /// which a path would be held: see [`following`](crate::following).
+    Follow {
+        /// Axis.
+        axis: u8,
+        /// What it follows, and how.
+        settings: FollowSettings,
     },
 }
 

@@ -27,6 +27,7 @@
 //! - A board with two ports has one host: the other port opens a session only while the host is silent.
 //! - A force for a frequency response ([`Request::Excite`]) acts at rest, within the envelope and the force limit of the axis,
 //!   and ends with whatever ends a motion.
+//! - An axis that follows a counter ([`Request::Follow`]) does so until it is held or stopped: nobody can resume it.
 //! - A motion is checked whole before it starts. A request that is refused changes nothing.
 
 pub mod board_settings;

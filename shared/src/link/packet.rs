@@ -15,7 +15,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::{Deserialize, Serialize};
 
 /// Version of the packets and messages.
-pub const VERSION: u8 = 13;
+pub const VERSION: u8 = 14;
 
 /// Number of axes of the messages.
 pub const AXES: usize = 2;

@@ -7,6 +7,7 @@ use super::report::HomingFailure;
 use crate::config::ConfigError;
 use crate::drive::direction_check::DirectionCheckError;
 use crate::excitation::ExcitationProblem;
+use crate::following::FollowError;
 use crate::interpolate::PathError;
 use crate::machine::MachineError;
 use crate::probing::ProbeError;
@@ -121,6 +122,8 @@ pub enum Refusal {
     BrakesMove,
     /// Nothing can be probed.
     Probe(ProbeError),
+    /// The axis cannot follow the counter.
+    Follow(FollowError),
 }
 
 /// Why the direction of an axis cannot be checked.

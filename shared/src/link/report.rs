@@ -95,6 +95,8 @@ pub enum Activity {
     Response,
     /// An axis moves until the probe is touched, or back.
     Probing,
+    /// Axes follow counters, or decelerate from that.
+    Following,
 }
 
 /// An axis.
@@ -114,6 +116,10 @@ pub struct AxisStatus {
     pub signals: Option<SignalFigures>,
     /// Following error and force over the last complete second with the drives on.
     pub rms: Option<AxisRms>,
+    /// Counter at the input of its scale, if no scale is there.
+    pub counter: Option<u32>,
+    /// How far its command is from the setpoint of a counter that it follows, position units.
+    pub lag: Option<i64>,
 }
 
 /// The homing that ran last, if no probing has run since.

@@ -1,6 +1,7 @@
 //! The controller of a machine.
 
 mod between_ticks;
+mod following;
 
 use super::config::MachineConfig;
 use super::error::MachineError;
@@ -224,7 +225,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         if off || self.state.path.is_braking() {
             return Err(PathError::Interrupted);
         }
-        Ok(())
+        if self.state.path.follows() { Err(PathError::Following) } else { Ok(()) }
     }
 
     /// Decelerates along the path and discards what remains of it. The drives stay on and hold the axes. Blocks are refused

@@ -9,6 +9,7 @@ use crate::compensate::Correction;
 use crate::config::{AxisConfig, ScheduledOver};
 use crate::control::gain_schedule::Gains;
 use crate::feedback::Reading;
+use crate::following::Ending;
 use crate::safety::{Event, Fault, FaultKind, FaultSet, Power};
 use crate::scalar::Scalar;
 use crate::units::{PER_NM, Position};
@@ -189,14 +190,28 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
             *faults = axis.position_tick(config, command, correction, *reading);
         }
         state.raise(self, faults);
+        if !state.path.is_planned() {
+            self.not_planned(state);
+        }
+    }
+
+    /// A stop of the path, or axes that follow counters: raises the fault of one that does so no longer, and ends a stop.
+    #[cold]
+    #[inline(never)]
+    fn not_planned(&self, state: &mut State<S, N>) {
+        if let Some((axis, ending)) = state.path.take_ended() {
+            let kind = match ending {
+                Ending::Lag => FaultKind::GearLag,
+                Ending::Travel => FaultKind::SoftLimit,
+            };
+            state.fault(self, Fault::Axis { axis: u8::try_from(axis).unwrap_or(u8::MAX), kind });
+        }
         if state.path.has_stopped() {
             self.stopped(state);
         }
     }
 
     /// The path has stopped: the drives go off if it was by a fault, with brakes after these have closed.
-    #[cold]
-    #[inline(never)]
     fn stopped(&self, state: &mut State<S, N>) {
         let has_brakes = self.brake_times().is_some();
         let event = if has_brakes && matches!(state.power, Power::Stopping(_)) {

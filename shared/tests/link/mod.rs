@@ -5,6 +5,7 @@ mod brakes;
 mod direction;
 mod envelope;
 mod excitation;
+mod following;
 mod garbage;
 mod halts;
 mod hard_stop;

@@ -115,6 +115,8 @@ pub struct TestPlant {
     /// Active limit switches of each axis, at the negative and the positive end.
     pub limits: [[bool; 2]; 2],
     pub contact: Contact,
+    /// External counters at the inputs of the axes.
+    pub counters: [Option<u32>; 2],
 }
 
 /// How the contact of the probe is.
@@ -170,7 +172,8 @@ impl Board<2, DriveSignal> for TestPlant {
     fn inputs(&mut self) -> Inputs<2> {
         let [x_m, _] = self.position_m;
         let home = self.home_switch_m.is_some_and(|[from_m, to_m]| (from_m..=to_m).contains(&x_m));
-        let [x, y] = self.limits.map(|limits| AxisInputs { limits, ..AxisInputs::NONE });
+        let [mut x, mut y] = self.limits.map(|limits| AxisInputs { limits, ..AxisInputs::NONE });
+        [x.counter, y.counter] = self.counters;
         let touches = self.workpiece_m.is_some_and(|at_m| at_m.signum() * (x_m - at_m) >= 0.0);
         let probe_touched = self.contact.sample(touches);
         Inputs { axes: [AxisInputs { home, ..x }, y], probe_touched, ..Inputs::NONE }

@@ -23,7 +23,7 @@ enum Does {
 }
 
 /// Faults of an axis.
-const OF_AN_AXIS: [(FaultKind, Does); 12] = [
+const OF_AN_AXIS: [(FaultKind, Does); 13] = [
     (FaultKind::FollowingError, Does::Off),
     (FaultKind::Disagreement, Does::Off),
     (FaultKind::EncoderStep, Does::Off),
@@ -34,6 +34,7 @@ const OF_AN_AXIS: [(FaultKind, Does); 12] = [
     (FaultKind::ForceSaturated, Does::Stop),
     (FaultKind::SoftLimit, Does::Stop),
     (FaultKind::LimitSwitch, Does::Stop),
+    (FaultKind::GearLag, Does::Stop),
     (FaultKind::ScaleLost, Does::Warn),
     (FaultKind::Displaced, Does::Warn),
 ];
@@ -190,7 +191,7 @@ impl Side {
             }
         }
         println!("{cases} cases");
-        assert_eq!(cases, 5 * (2 * 12 + 9));
+        assert_eq!(cases, 5 * (2 * 13 + 9));
     }
 }
 

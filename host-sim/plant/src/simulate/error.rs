@@ -158,6 +158,7 @@ fn described(kind: FaultKind, settings: &AxisSettings) -> (String, &'static str)
         FaultKind::DriveFault => ("the drive reports a fault".to_owned(), ""),
         FaultKind::EncoderSignal => ("the signals of the motor encoder are out of range".to_owned(), ""),
         FaultKind::LimitSwitch => ("a limit switch was reached".to_owned(), ""),
+        FaultKind::GearLag => ("the axis lags behind a counter that it follows".to_owned(), ""),
         FaultKind::Displaced => ("the axis is not at the start of its motion".to_owned(), ""),
     }
 }

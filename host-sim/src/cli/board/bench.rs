@@ -49,6 +49,10 @@ pub enum Action {
     AddWorkpiece,
     /// Take the workpiece away.
     RemoveWorkpiece,
+    /// Turn the master encoder at the counter of x by a turn of 4000 counts, in a second.
+    TurnMaster,
+    /// Turn it back by a turn.
+    TurnMasterBack,
     /// The next tick with the drives on takes one and a half periods.
     SlowTick,
     /// The interrupts of the ticks are held off for two periods.
@@ -92,6 +96,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Action::RemoveStop => (b'u', "There is no hard stop before x."),
         Action::AddWorkpiece => (b'p', "A workpiece is before the probe of x."),
         Action::RemoveWorkpiece => (b'x', "There is no workpiece before the probe of x."),
+        Action::TurnMaster => (b'j', "The master of x turns by 4000 counts."),
+        Action::TurnMasterBack => (b'z', "The master of x turns back by 4000 counts."),
         Action::SlowTick => (b's', "The next tick with the drives on takes one and a half periods."),
         Action::HoldOffTicks => (b'i', "The ticks were held off for two periods."),
         Action::End => (END, "The emulator has ended."),

@@ -6,6 +6,7 @@ pub mod capture;
 mod consent;
 pub mod direction;
 pub mod feed_override;
+mod follow;
 mod home;
 pub mod jog;
 pub mod monitor;
@@ -45,6 +46,8 @@ pub enum Verb {
     Home(home::Arguments),
     /// Move an axis until the probe is touched, and tell the positions of that tick. Switches the drives on if they are off.
     Probe(probe::Arguments),
+    /// Let an axis follow an external counter by a ratio until it is stopped. Switches the drives on if they are off.
+    Follow(follow::Arguments),
     /// Feed hold: decelerate along the path, also that of another program at the port; `board resume` continues it.
     Hold(simple::Arguments),
     /// Continue the path after a hold, and wait for its end.
@@ -81,6 +84,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::CheckDirection(arguments) => direction::run(arguments),
         Verb::Home(arguments) => home::run(arguments),
         Verb::Probe(arguments) => probe::run(arguments),
+        Verb::Follow(arguments) => follow::run(arguments),
         Verb::Hold(arguments) => simple::hold(arguments),
         Verb::Resume(arguments) => simple::resume(arguments),
         Verb::Stop(arguments) => simple::stop(arguments),

@@ -111,15 +111,18 @@ impl AxisArguments {
     /// # Errors
     /// If the board has no such axis.
     pub fn number(&self) -> Result<u8, InputError> {
-        let names = board::refusal::AXIS_NAMES;
-        names
-            .iter()
-            .position(|known| *known == self.axis)
-            .and_then(|number| u8::try_from(number).ok())
-            .ok_or_else(|| {
-                InputError::expected("--axis", names.join(" or "), files::error::quoted(&self.axis))
-            })
+        axis_number("--axis", &self.axis)
     }
+}
+
+/// The number of the axis that an option names.
+///
+/// # Errors
+/// If the board has no such axis.
+pub fn axis_number(option: &str, name: &str) -> Result<u8, InputError> {
+    let names = board::refusal::AXIS_NAMES;
+    let number = names.iter().position(|known| *known == name).and_then(|number| u8::try_from(number).ok());
+    number.ok_or_else(|| InputError::expected(option, names.join(" or "), files::error::quoted(name)))
 }
 
 /// Refuses the value of an option that is not valid, before the board is asked for anything.

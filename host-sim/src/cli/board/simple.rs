@@ -77,6 +77,7 @@ pub fn hold(arguments: &Arguments) -> Result<()> {
     print(match seen(&mut observer)?.map(|status| (status.activity, status.feed)) {
         None => "The path is held, if one runs; its host is at the other port of the board.",
         Some((Activity::Idle, _)) => "No path runs: nothing is held.",
+        Some((Activity::Following, _)) => "The axis decelerates, and follows the counter no longer.",
         Some((_, FeedState::Discarding)) => "The path is being stopped: nothing is held.",
         Some(_) => "The path is held.",
     })

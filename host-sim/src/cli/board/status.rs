@@ -12,6 +12,7 @@ use shared::link::feed_override::FeedOverride;
 use shared::link::report::{Activity, AxisStatus, DirectionReport, UsbState};
 use shared::link::{Status, Welcome};
 use shared::safety::Power;
+use shared::units::Position;
 
 /// Arguments of `board status`.
 #[derive(clap::Args)]
@@ -81,6 +82,7 @@ fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
         ));
     }
     lines.extend(AXIS_NAMES.iter().zip(&status.axes).filter_map(|(name, axis)| figures(name, axis)));
+    lines.extend(AXIS_NAMES.iter().zip(&status.axes).filter_map(|(name, axis)| following(name, axis)));
     lines.extend(direction(status.direction));
     lines.extend(usb(status.usb).map(str::to_owned));
     let link = &status.link;
@@ -89,6 +91,12 @@ fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
         link.packets, link.too_long, link.too_short, link.encoding, link.checksum, link.version
     ));
     lines
+}
+
+/// What an axis that follows a counter does.
+fn following(name: &str, axis: &AxisStatus) -> Option<String> {
+    let lag_um = Position(axis.lag?).to_m() * 1e6;
+    Some(format!("{name}: follows a counter, {:.1} µm behind it", lag_um.abs()))
 }
 
 /// What is known of the last second of an axis, and of the signals of its motor sensor.
@@ -178,6 +186,7 @@ pub fn path(status: &Status) -> String {
         Activity::Homing => "homing",
         Activity::Response => "frequency response",
         Activity::Probing => "probing",
+        Activity::Following => "following a counter",
     };
     let what = &(what.to_owned() + &feed_override(status));
     match status.feed {

@@ -7,7 +7,11 @@ use super::Path;
 impl<const N: usize> Path<N> {
     /// Decelerates to standstill on the path, which [`Path::resume`] continues. The deceleration (per tick² with 16 fraction
     /// bits) is added to that of the block.
+    /// Axes that follow counters decelerate, and nothing is held then.
     pub fn hold(&mut self, deceleration: u64) {
+        if self.follows() {
+            return self.followers.stop();
+        }
         self.feed_hold.hold(self.feed(), deceleration);
     }
 
@@ -18,6 +22,9 @@ impl<const N: usize> Path<N> {
 
     /// Decelerates as [`Path::hold`], then discards the rest of the path. The path can then be used again.
     pub fn discard(&mut self, deceleration: u64) {
+        if self.follows() {
+            return self.followers.stop();
+        }
         self.feed_hold.discard(self.feed(), deceleration);
         if self.feed_hold.is_to_be_discarded() {
             self.discard_rest();
@@ -28,7 +35,7 @@ impl<const N: usize> Path<N> {
     /// the acceleration (per tick² with 16 fraction bits) at most, which is added to that of the block; at rest the override holds at
     /// once. It remains when the path ends; [`Path::reset`] sets 100 %.
     pub fn set_override(&mut self, percent: u8, acceleration: u64) {
-        let moves = self.started || self.braking.is_some();
+        let moves = self.started || self.is_braking();
         let fastest = self.blocks.iter().map(PlannedBlock::feed).max().filter(|_| moves);
         self.feed_hold.set_override(rate_of(percent), fastest, acceleration);
     }

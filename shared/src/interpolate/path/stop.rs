@@ -2,33 +2,44 @@
 
 use super::super::fraction::{FRACTION, whole};
 use super::brake::Brake;
-use super::{Path, QUEUE};
+use super::{Course, Path, QUEUE};
 
 impl<const N: usize> Path<N> {
     /// Starts a stop along the path with a deceleration (per tick² with 16 fraction bits), or that of the block at the present
     /// override if it is greater, so that the path never ends later than planned. Joints that are passed during the stop add at most the same
     /// acceleration again.
     pub fn brake(&mut self, deceleration: u64) {
-        if self.braking.is_some() {
+        if self.is_braking() {
+            return;
+        }
+        if self.follows() {
+            self.followers.stop();
+            self.course = Course::StoppingFollowers;
             return;
         }
         let moving = self.started.then_some((self.progress.distance(), self.progress.speed()));
         let (distance, speed) = moving.unwrap_or_default();
         let speed = self.feed_hold.scaled(speed);
         self.revision = self.revision.wrapping_add(1);
-        self.braking = Some(Brake { deceleration, speed, distance: i128::from(distance) << FRACTION });
+        let distance = i128::from(distance) << FRACTION;
+        self.course = Course::Braking(Brake { deceleration, speed, distance });
     }
 
     /// Whether a stop was started, and the path has not been discarded since.
     #[must_use]
     pub const fn is_braking(&self) -> bool {
-        self.braking.is_some()
+        matches!(self.course, Course::Braking(_) | Course::StoppingFollowers)
     }
 
     /// Whether a stop was started and the command is at rest.
     #[must_use]
     pub fn has_stopped(&self) -> bool {
-        self.braking.is_some_and(|brake| brake.speed == 0) && self.is_settled()
+        let stands = match self.course {
+            Course::Planned | Course::Following => false,
+            Course::Braking(brake) => brake.speed == 0,
+            Course::StoppingFollowers => !self.do_followers_move(),
+        };
+        stands && self.is_settled()
     }
 
     /// Advances the position on the path by a tick of a stop. Whether it has changed.
@@ -37,7 +48,7 @@ impl<const N: usize> Path<N> {
     #[inline(never)]
     pub(super) fn follow_braking(&mut self, brake: Brake) -> bool {
         let before = self.position;
-        self.braking = Some(self.braked(brake));
+        self.course = Course::Braking(self.braked(brake));
         self.position != before
     }
 

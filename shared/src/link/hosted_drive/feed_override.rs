@@ -16,7 +16,8 @@ impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
         if percent > MOST_PERCENT {
             return Err(Refusal::Override { max: MOST_PERCENT });
         }
-        if self.is_at_rest().is_ok() || self.is_exciting() || !self.machine().power().is_on() {
+        let has_path = !self.is_exciting() && !self.machine().follows();
+        if self.is_at_rest().is_ok() || !has_path || !self.machine().power().is_on() {
             return Err(Refusal::NothingMoves);
         }
         self.change_override(FeedOverride { percent, ..self.feed_override });

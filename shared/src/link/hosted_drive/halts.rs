@@ -6,7 +6,7 @@ use crate::safety::Power;
 use crate::scalar::Scalar;
 
 impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
-    /// Holds the path, and ends a direction check or an excitation, which have none.
+    /// Holds the path, and ends a direction check, an excitation and the following of counters, which have none.
     pub fn hold(&mut self) {
         self.system.stop_direction_check();
         self.end_excitation();
@@ -50,6 +50,9 @@ impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
     /// Holds, stops or disables for somebody without the session. That is no sign of life of the host, who is told so with its next
     /// request: also if nothing moves, since it may be about to start something. Of several halts the strongest is told.
     pub fn halt_from_outside(&mut self, halt: Halt) {
+        // Axes that follow counters are stopped by a hold.
+        let stops = halt == Halt::Hold && self.machine().follows();
+        let halt = if stops { Halt::Stop } else { halt };
         self.halt(halt);
         self.halted_by_other = self.halted_by_other.max(Some(halt));
     }

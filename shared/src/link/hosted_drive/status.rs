@@ -34,6 +34,8 @@ impl<S: Scalar> HostedDrive<'_, S, AXES> {
                 homed: machine.reference(axis) == Some(Reference::Homed),
                 signals: self.system.inputs().axes[axis].signals.map(|signals| signals.figures()),
                 rms: self.rms_meter.axis(axis),
+                counter: self.system.inputs().axes[axis].counter,
+                lag: machine.following_lag(axis),
             }),
             ticks: self.system.tick_counts(),
             supply: self.system.supply(),

@@ -6,6 +6,7 @@
 mod block_limits;
 mod compensation_reader;
 mod excitation;
+mod following;
 mod hard_stop;
 mod motion;
 mod outside;
@@ -308,6 +309,7 @@ impl ServerState {
             Request::HomeToStop { axis, settings } => self.home_to_stop(*axis, settings, drive),
             Request::Probe { axis, settings } => self.probe(*axis, settings, drive),
             Request::Excite(settings) => self.excite(settings, drive),
+            Request::Follow { axis, settings } => self.follow(*axis, settings, drive),
             Request::NewMotion => self.new_motion(drive),
             Request::AddBlock(block) => self.add_block(block, drive),
             Request::StartMotion { blocks } => self.start_motion(*blocks, drive),

@@ -8,6 +8,7 @@ mod drives;
 mod emulated_board;
 mod envelope;
 mod figures;
+mod follow;
 mod halts;
 mod hard_stop;
 mod idle;
