@@ -11,7 +11,6 @@ pub mod drive;
 pub mod excitation;
 pub mod feedback;
 pub mod figures;
-pub mod following;
 pub mod homing;
 mod integer;
 pub mod interpolate;

@@ -2,8 +2,8 @@
 
 use shared::drive::direction_check::DirectionResult;
 use shared::excitation::ExcitationProblem;
-use shared::following::FollowError;
 use shared::interpolate::PathError;
+use shared::interpolate::following::FollowError;
 use shared::link::Refusal;
 use shared::link::halt::Halt;
 use shared::link::history::HistoryEvent;

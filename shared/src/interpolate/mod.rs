@@ -38,6 +38,7 @@ pub mod block;
 pub mod error;
 pub mod exponential;
 pub mod feed_hold;
+pub mod following;
 mod fraction;
 pub mod joint;
 pub mod limits;

@@ -2,6 +2,7 @@
 
 mod brake;
 mod feed;
+mod followers;
 mod following;
 mod queue_copy;
 mod stop;
@@ -9,7 +10,7 @@ mod stop;
 use heapless::Deque;
 
 use brake::Brake;
-use following::Followers;
+use followers::Followers;
 
 use super::block::Block;
 use super::error::PathError;

@@ -14,9 +14,9 @@ use crate::capture::Trigger;
 use crate::compensate::CompensationKind;
 use crate::drive::direction_check::DirectionCheckSettings;
 use crate::excitation::ExcitationSettings;
-use crate::following::FollowSettings;
 use crate::homing::HardStopSettings;
 use crate::interpolate::Block;
+use crate::interpolate::following::FollowSettings;
 use crate::probing::ProbeSettings;
 
 /// Length of the longest upload in bytes: a compensation with every table at its capacity has 7.7 kB.
@@ -191,7 +191,7 @@ pub enum Request {
         settings: ProbeSettings,
     },
     /// Lets an axis at rest follow an external counter, with the drives on, until a hold, a stop, the drives off, a fault, or a silence of the host by
-    /// which a path would be held: see [`following`](crate::following).
+    /// which a path would be held: see [`following`](crate::interpolate::following).
     Follow {
         /// Axis.
         axis: u8,

@@ -9,7 +9,7 @@ use crate::compensate::Correction;
 use crate::config::{AxisConfig, ScheduledOver};
 use crate::control::gain_schedule::Gains;
 use crate::feedback::Reading;
-use crate::following::Ending;
+use crate::interpolate::following::Ending;
 use crate::safety::{Event, Fault, FaultKind, FaultSet, Power};
 use crate::scalar::Scalar;
 use crate::units::{PER_NM, Position};

@@ -1,7 +1,7 @@
 //! An axis that follows a counter, by a host: what starts it, what it does, and what ends it.
 
-use shared::following::{FollowError, FollowSettings};
 use shared::interpolate::PathError;
+use shared::interpolate::following::{FollowError, FollowSettings};
 use shared::link::Refusal;
 use shared::link::halt::Halt;
 use shared::link::message::{Reply, Request};

@@ -9,7 +9,7 @@ use super::port::{AxisArguments, axis_number, check_value};
 use crate::cli::outputs::print;
 use crate::cli::stop;
 use files::error::InputError;
-use shared::following::FollowSettings;
+use shared::interpolate::following::FollowSettings;
 use shared::link::Request;
 
 /// Distances for the counts, mm.

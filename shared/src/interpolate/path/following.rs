@@ -1,28 +1,10 @@
-//! Axes that follow counters: see [`following`](crate::following).
+//! Axes that follow counters: see [`following`](crate::interpolate::following).
 
+use super::followers::Followers;
 use super::{Course, Path};
-use crate::following::follower::Follower;
-use crate::following::{Ending, FollowError, FollowSettings};
 use crate::interpolate::PathError;
-
-/// The axes that follow counters.
-#[derive(Clone, Debug)]
-pub(super) struct Followers<const N: usize> {
-    axes: [Option<Follower>; N],
-    /// The counters of the inputs.
-    counts: [u32; N],
-    /// The first axis that has ended its following by itself, until it is taken.
-    ended: Option<(usize, Ending)>,
-}
-
-impl<const N: usize> Followers<N> {
-    pub const NONE: Self = Self { axes: [None; N], counts: [0; N], ended: None };
-
-    /// Each decelerates.
-    pub fn stop(&mut self) {
-        self.axes.iter_mut().flatten().for_each(Follower::stop);
-    }
-}
+use crate::interpolate::following::follower::Follower;
+use crate::interpolate::following::{Ending, FollowError, FollowSettings};
 
 impl<const N: usize> Path<N> {
     /// Lets an axis follow the counter of an input, which is at a count. `deceleration` is that of a stop, per tick² with 16 fraction bits. The

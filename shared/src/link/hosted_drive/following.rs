@@ -1,7 +1,7 @@
 //! Axes that follow counters.
 
 use super::HostedDrive;
-use crate::following::{FollowError, FollowSettings};
+use crate::interpolate::following::{FollowError, FollowSettings};
 use crate::link::refusal::Refusal;
 use crate::link::report::Activity;
 use crate::scalar::Scalar;

@@ -4,7 +4,7 @@ use super::super::port::SharedDrive;
 use super::super::refusal::Refusal;
 use super::block_limits::SPEED_SHARE;
 use super::state::ServerState;
-use crate::following::FollowSettings;
+use crate::interpolate::following::FollowSettings;
 use crate::scalar::Scalar;
 
 impl ServerState {

@@ -1,13 +1,13 @@
 //! Axes that follow counters.
 
 use super::Machine;
-use crate::following::{FollowError, FollowSettings};
 use crate::interpolate::PathError;
+use crate::interpolate::following::{FollowError, FollowSettings};
 use crate::machine::MachineConfig;
 use crate::scalar::Scalar;
 
 impl<S: Scalar, const N: usize> Machine<S, N> {
-    /// Lets an axis at rest follow a counter that is at a count, from its present command on: see [`following`](crate::following). The drives have
+    /// Lets an axis at rest follow a counter that is at a count, from its present command on: see [`following`](crate::interpolate::following). The drives have
     /// to be on. Not part of a tick.
     ///
     /// # Errors

@@ -5,7 +5,7 @@
 //! unit, in whatever parts they come and however often the counter wraps.
 //!
 //! ```
-//! use shared::following::gear::{Gear, GearState};
+//! use shared::interpolate::following::gear::{Gear, GearState};
 //!
 //! // 10 units for 3 counts.
 //! let gear = Gear::new(10, 3).unwrap();
