@@ -171,8 +171,8 @@ impl Header {
         };
         let known = self.axes.iter().position(|known| known.name == axis);
         let axis = known.unwrap_or_else(|| {
-            let unit = unit_of_axis(axis, names.iter().map(String::as_str));
-            self.axes.push(AxisLog::new(axis, unit.unwrap_or(Unit::Millimetre)));
+            let of_others = || unit_of_axis(axis, names.iter().map(String::as_str));
+            self.axes.push(AxisLog::new(axis, unit.or_else(of_others).unwrap_or(Unit::Millimetre)));
             self.axes.len() - 1
         });
         let expected = self.axes[axis].unit;

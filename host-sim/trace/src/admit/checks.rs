@@ -36,11 +36,11 @@ pub fn check(machine: &Machine, log: &Log, options: &AdmissionOptions) -> Result
             );
         }
     }
-    let reads_temperature = |axis: &&AxisLog| {
+    let lacks_temperature = |axis: &&AxisLog| {
         let declared = machine.axis.get(&axis.name).into_iter().flat_map(|axis| &axis.effect);
         axis.temperature.is_none() && declared.into_iter().any(|effect| effect.kind().reads_temperature)
     };
-    if let Some(axis) = log.axes.iter().find(reads_temperature) {
+    if let Some(axis) = log.axes.iter().find(lacks_temperature) {
         return refuse(
             format!(
                 "the column {}, on which the friction of the machine file depends",
