@@ -121,10 +121,11 @@ impl EffectModel for FrictionTemperature {
 
     fn sentence(&self, wording: &Wording) -> String {
         format!(
-            "friction depends on the temperature: relative to {}, each degree changes the sliding level by {} and the viscous friction by {}",
+            "friction depends on the temperature: relative to {}, each degree changes the sliding level by {} and the viscous friction by {}; the reading is {} behind it",
             wording.value(0),
             wording.value(1),
-            wording.value(2)
+            wording.value(2),
+            wording.value(3)
         )
     }
 

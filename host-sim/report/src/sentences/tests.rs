@@ -25,6 +25,7 @@ fn one_of_each() -> Vec<Effect> {
             table_mass_kg: Some(100.0),
             stiffness_n_per_um: Some(200.0),
             coulomb_n: Some(20.0),
+            viscous_n_s_per_m: Some(500.0),
             lead_mm: Some(10.0),
             ..Mechanics::default()
         },
