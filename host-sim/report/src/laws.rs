@@ -34,6 +34,8 @@ fn doubt(law: &FoundLaw, term: &FoundTerm) -> Option<String> {
     let why = if !term.rivals.is_empty() {
         let rivals: Vec<String> = term.rivals.iter().map(|rival| law.form(rival)).collect();
         format!("{} would fit as well", rivals.join(", "))
+    } else if let Some(large) = &term.shadowed_by {
+        format!("it may be what the form of the far larger {} lacks", law.form(large))
     } else if !term.is_in_all_folds {
         "a part of the logs alone does not show it".to_owned()
     } else {

@@ -62,7 +62,7 @@ struct Instead {
     #[arg(long, conflicts_with_all = ["kind", "keep", "only"])]
     detection: bool,
     /// Whether laws of the tool, drawn at random, are found in what no effect describes.
-    #[arg(long, conflicts_with_all = ["kind", "keep", "only", "detection", "report"])]
+    #[arg(long, conflicts_with_all = ["kind", "only", "detection", "report", "no_trace"])]
     laws: bool,
     /// Whether a planned motion decides what a log that is too short leaves open.
     #[arg(long, conflicts_with_all = ["kind", "keep", "only", "detection", "laws", "report"])]
@@ -207,9 +207,13 @@ fn run_detection(arguments: &Arguments) -> Result<()> {
 fn run_laws(arguments: &Arguments) -> Result<()> {
     let jobs = (1..=arguments.cases).map(|number| (format!("law {number}"), number)).collect();
     let seed = arguments.seed;
+    let keep = arguments.keep.clone();
     let work = move |&number: &u64, show: Show<'_>| {
         show("running the machine");
         let law = LawCase::draw(seed, number)?;
+        if let Some(folder) = &keep {
+            law.case.keep(folder)?;
+        }
         Ok(LawOutcome::of(&law, &self_test::traced(&law.case, show)?))
     };
     let results = Batch { jobs, work }.run(|done: &[LawOutcome]| {

@@ -74,6 +74,13 @@ impl Smooth {
         other
     }
 
+    /// Central difference of the velocity, per s². It has less than half of the noise of [`Self::acceleration`], and of a wave of
+    /// ω rad per sample the factor cos²(ω/2) of it: 0.996 of 20 Hz at 1 kHz.
+    #[must_use]
+    pub fn rate_of_velocity(&self, sample_s: f64) -> Vec<f64> {
+        differences(&self.velocity, sample_s).0
+    }
+
     /// Acceleration whose noise is small and uncorrelated with that of `value`: see [`super::quiet_acceleration`]. It is `acceleration`
     /// if that has little noise.
     #[must_use]

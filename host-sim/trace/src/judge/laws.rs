@@ -68,8 +68,8 @@ pub fn without_map_of_law(
     confirmed
 }
 
-/// The index of a found map over a position that leaves much of its stage, where a law without the map describes it better than the map, and the
-/// axis without it. The knots of a map take away a part of every wave, and leave a shape that follows no law.
+/// The index of a found map over a position that leaves much of its stage in the fitted or the held-out logs, where a law without the map describes
+/// it better than the map, and the axis without it. The knots of a map take away a part of every wave, and leave a shape that follows no law.
 fn map_in_place_of_law(data: &AxisData<'_>, axis: &FittedAxis) -> Option<(usize, FittedAxis)> {
     let AxisData { fit, validate, .. } = data;
     axis.model.found().iter().enumerate().find_map(|(index, effect)| {
@@ -79,7 +79,9 @@ fn map_in_place_of_law(data: &AxisData<'_>, axis: &FittedAxis) -> Option<(usize,
         let ScopeFit { scope, exclusions, .. } = axis.fits.iter().find(|fit| fit.scope.holds(effect))?;
         let [stage] = scope.stages[..] else { return None };
         let left = |data: &FitData<'_>| data.rms(&data.residuals(&axis.model, scope), stage);
-        if left(fit) <= fit.options.verdict.max_certain(fit.noise(&axis.model, stage)) {
+        // A map knows nothing of positions outside the fitted logs, which a law may reach.
+        let most = fit.options.verdict.max_certain(fit.noise(&axis.model, stage));
+        if left(fit) <= most && left(validate) <= most {
             return None;
         }
         let without = axis.without(fit, index);

@@ -15,7 +15,8 @@ pub fn values(signals: &Signals, axis: usize, variable: TableVariable) -> Option
     let velocity = |axis: &AxisSignals, of: fn(f64) -> f64| {
         axis.table_or_motor().map(|smooth| smooth.velocity.iter().map(|&v| of(v)).collect())
     };
-    let acceleration = |axis: &AxisSignals| axis.table_or_motor().map(|smooth| smooth.acceleration.clone());
+    let acceleration =
+        |axis: &AxisSignals| axis.table_or_motor().map(|smooth| smooth.rate_of_velocity(signals.sample_s));
     let same = |value: f64| value;
     match variable {
         TableVariable::PositionMm => millimetres(own),

@@ -15,7 +15,7 @@ use crate::judge::found_effect::{FoundEffect, Remaining};
 use crate::options::VerdictOptions;
 use crate::result::displaced_head;
 use crate::result::force_scale::with_both_values;
-use model::effects::{Imitation, ImitationContext, LoggedChannels, Stage};
+use model::effects::{Imitation, ImitationContext, LoggedChannels, SlopeOf, Stage};
 use model::machine::Machine;
 
 /// Largest residual of the motor stage, in multiples of its noise, beside which declared values are told from errors of the loop. A
@@ -48,9 +48,11 @@ pub fn doubted(axes: Vec<AxisFindings>, declared: &DeclaredMachine, fit_logs: &[
     let session_s = numerics::max(ends_s) - numerics::min(starts_s);
     let jitters = axes.iter().any(has_common_noise);
     let turned_s2 = turned_s2(&axes);
+    let tools = axes.iter().filter_map(|axis| axis.residual(Stage::Tool));
+    let of_tools = largest(tools, &declared.options.verdict);
     let doubted = |(number, axis)| {
         let channels = logged_channels(fit_logs, number, &declared.options.samples);
-        let logged = Logged { channels, session_s, jitters, turned_s2 };
+        let logged = Logged { channels, session_s, jitters, turned_s2, of_tools };
         let axis = with_imitations(axis, &declared.machine, &logged, &declared.options.verdict);
         of_declared_values(axis, jitters, &declared.options.verdict)
     };
@@ -86,13 +88,15 @@ struct Logged {
     jitters: bool,
     /// See [`ImitationContext::turned_s2`].
     turned_s2: f64,
+    /// What remains of the tool of the axis that leaves most of it.
+    of_tools: Option<Remaining>,
 }
 
 /// The findings with what imitates the effects, and what remains in their stages.
 fn with_imitations(
     mut axis: AxisFindings,
     machine: &Machine,
-    &Logged { channels, session_s, jitters, turned_s2 }: &Logged,
+    &Logged { channels, session_s, jitters, turned_s2, of_tools }: &Logged,
     options: &VerdictOptions,
 ) -> AxisFindings {
     let stages: Vec<Stage> = axis.residuals.iter().map(|error| error.stage).collect();
@@ -105,6 +109,7 @@ fn with_imitations(
     let varies =
         |found: &FoundEffect| found.effect.depends_on_direction() && found.effect.over_position().is_some();
     let has_varying_gap = axis.found.iter().any(varies);
+    let is_turned = axis.found.iter().any(|found| found.effect.slope() == Some(SlopeOf::ProbeAngle));
     for found in &mut axis.found {
         let context = ImitationContext {
             axis: &declared.settings,
@@ -126,14 +131,31 @@ fn with_imitations(
             found.imitations.push(Imitation::CLOCK);
         }
         let shown = axis.residuals.iter().filter(|error| is_shown(found, error.stage));
-        let remaining = shown
-            .map(|error| Remaining { stage: error.stage, to_noise: error.ratio_to_noise(options.min_noise) });
-        let largest = remaining.max_by(|a, b| a.to_noise.total_cmp(&b.to_noise));
+        // Angle and squareness were separated by the tools of both axes.
+        let of_others = of_tools.filter(|_| is_turned && found.effect.slope().is_some());
+        let largest = larger(largest(shown, options), of_others);
         let is_special = found.effect.kind().special_form_of.is_some();
         let most = if is_special { MAX_SPECIAL_RATIO } else { options.max_certain_ratio };
         found.remaining = largest.filter(|remaining| remaining.to_noise > most);
     }
     with_rivals_of_neighbours(axis)
+}
+
+/// What remains of the stage that leaves most of its noise.
+fn largest<'a>(
+    errors: impl Iterator<Item = &'a StageResidual>,
+    options: &VerdictOptions,
+) -> Option<Remaining> {
+    let of = |error: &StageResidual| Remaining {
+        stage: error.stage,
+        to_noise: error.ratio_to_noise(options.min_noise),
+    };
+    errors.fold(None, |largest, error| larger(largest, Some(of(error))))
+}
+
+/// The larger of two remainders.
+fn larger(a: Option<Remaining>, b: Option<Remaining>) -> Option<Remaining> {
+    a.into_iter().chain(b).max_by(|a, b| a.to_noise.total_cmp(&b.to_noise))
 }
 
 /// The findings in which an effect that is barely determined has also the rivals of an ambiguous one of its stage: what one of these explains

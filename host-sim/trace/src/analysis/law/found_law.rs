@@ -37,16 +37,23 @@ pub struct FoundTerm {
     pub held_out_t: f64,
     /// Terms that describe the fitted logs as well in its place.
     pub rivals: Vec<Term>,
+    /// A term of the same motion that is [`MIN_SHADOW_RATIO`] times as large: the small one may be what its form lacks.
+    pub shadowed_by: Option<Term>,
     /// Whether the law of each two thirds of the fitted logs contains the term.
     pub is_in_all_folds: bool,
 }
 
+/// A form describes its cause to a few percent: a direction, for one, turns over within a speed. By its rms over the fitted logs, a term is in the
+/// shadow of one that is this many times as large.
+pub const MIN_SHADOW_RATIO: f64 = 30.0;
+
 impl FoundLaw {
-    /// Whether the logs determine that a term is in the law: no other term describes them as well in its place, and the law describes what the
-    /// model leaves. A larger remainder has a cause of which the term may describe a part.
+    /// Whether the logs determine that a term is in the law: no other term describes them as well in its place, none is so large that this one
+    /// may be what its form lacks, and the law describes what the model leaves. A larger remainder has a cause of which the term may
+    /// describe a part.
     #[must_use]
     pub fn is_certain(&self, term: &FoundTerm) -> bool {
-        self.is_complete && term.rivals.is_empty() && term.is_in_all_folds
+        self.is_complete && term.rivals.is_empty() && term.shadowed_by.is_none() && term.is_in_all_folds
     }
 
     /// The law for the model of the axis.

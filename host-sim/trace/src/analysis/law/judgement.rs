@@ -1,7 +1,7 @@
 //! Which terms of a chosen law held-out logs support, which of them have a rival, and the intervals of their coefficients.
 
 use super::choice::{Chosen, improvement_t, price};
-use super::found_law::FoundTerm;
+use super::found_law::{FoundTerm, MIN_SHADOW_RATIO};
 use super::samples::{Normal, Samples, columns_of};
 use super::subsets::{Subset, solved};
 use crate::fit::fit_data::FitAndValidationRms;
@@ -57,6 +57,7 @@ pub fn judged(chosen: &Chosen, held_out: &Samples<'_>, options: &SearchOptions) 
         let has = |law: &[Term]| law.iter().any(|other| chosen.is_same_form(&term, other));
         FoundTerm {
             rivals: replaced(chosen, &term, (&with, &alike)),
+            shadowed_by: shadow(chosen, best, &term),
             is_in_all_folds: of_folds.iter().all(|law| has(law)),
             half_widths: half,
             held_out_t,
@@ -106,6 +107,26 @@ fn replaced(chosen: &Chosen, term: &Term, (best, rivals): (&[Term], &[Vec<Term>]
         }
     }
     all
+}
+
+/// The term of a law, of the motions of a small term, in whose shadow the small one is.
+fn shadow(chosen: &Chosen, best: &Subset, small: &Term) -> Option<Term> {
+    let with = || {
+        chosen
+            .library
+            .with_coefficients(best)
+            .into_iter()
+            .zip(chosen.library.squares_of_terms(&chosen.blocks, best))
+    };
+    let (_, of_small) = with().find(|(term, _)| term == small)?;
+    let is_of_its_motion = |large: &Term| {
+        let has = |other: bool| large.variables().iter().any(|one| one.is_of_other_axis() == other);
+        small.variables().iter().all(|one| has(one.is_of_other_axis()))
+    };
+    let is_shadow = |(term, squares): &(Term, f64)| {
+        *squares >= MIN_SHADOW_RATIO.powi(2) * of_small && is_of_its_motion(term)
+    };
+    with().find(is_shadow).map(|(term, _)| term)
 }
 
 /// The best law of the same size of the samples without each fold.

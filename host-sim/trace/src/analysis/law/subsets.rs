@@ -113,6 +113,21 @@ impl Library {
         subset.terms.iter().map(t_of_term).collect()
     }
 
+    /// Σ of the square of what each term of a subset adds to the samples of some blocks.
+    #[must_use]
+    pub fn squares_of_terms(&self, blocks: &[Normal], subset: &Subset) -> Vec<f64> {
+        let of_term = |&term: &usize| {
+            let own = || subset.coefficients.iter().filter(|(column, _)| self.columns[term].contains(column));
+            let of_block = |block: &Normal| {
+                let products =
+                    own().flat_map(|&(i, a)| own().map(move |&(j, b)| a * b * block.curvature[(i, j)]));
+                products.sum::<f64>()
+            };
+            blocks.iter().map(of_block).sum()
+        };
+        subset.terms.iter().map(of_term).collect()
+    }
+
     /// The terms of a subset with their coefficients.
     #[must_use]
     pub fn with_coefficients(&self, subset: &Subset) -> Vec<Term> {
