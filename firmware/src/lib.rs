@@ -5,7 +5,7 @@
 //! |---|---|---|
 //! | `board` | STM32F405 with two drives | `cargo board` |
 //! | `emulated` | QEMU's `mps2-an386`, in step with a host | `cargo emulated` |
-//! | `servo` | the same, as a servo board with its own ticks, a link, and a simulated machine | `cargo servo` |
+//! | `servo`, `servo-four` | the same, as a servo board of two or four axes with its own ticks, a link, and a simulated machine | `cargo servo` |
 //! | `cost` | the same, without a host: counts the instructions of each part of a tick | `cargo cost` |
 #![no_std]
 

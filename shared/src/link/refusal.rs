@@ -67,6 +67,11 @@ pub enum Refusal {
     },
     /// There is no such axis.
     NoSuchAxis,
+    /// The board has another number of axes.
+    Axes {
+        /// Number of axes of the board.
+        board: u8,
+    },
     /// The enable switch does not permit an enable: it is open, or has to be opened and closed again.
     NotArmed,
     /// A fault has to be acknowledged first.
