@@ -16,8 +16,8 @@ use crate::port::Port;
 /// The emulator's program.
 const QEMU: &str = "qemu-system-arm";
 
-/// An instruction takes 4 ns of the emulated clock, so that a tick has 12,500, and the clock does not run ahead of the host's.
-const MACHINE: [&str; 4] = ["-machine", "mps2-an386", "-icount", "shift=2,align=on"];
+/// The emulated chip.
+const MACHINE: [&str; 2] = ["-machine", "mps2-an386"];
 
 /// Environment variable with the folder of sockets and log; without it a folder for each user.
 pub const FOLDER_VARIABLE: &str = "LOST_MOTION_BENCH";
@@ -79,7 +79,7 @@ impl Bench {
         let is_new = Port::socket(&bench.bench_socket()).is_err();
         if is_new {
             let path = fs::canonicalize(program.path()?).map_err(|error| bench.failed(&error.to_string()))?;
-            bench.spawn(&path)?;
+            bench.spawn(program, &path)?;
         }
         Ok((bench, is_new))
     }
@@ -156,17 +156,18 @@ impl Bench {
         self.folder.join(BENCH)
     }
 
-    fn spawn(&self, program: &Path) -> Result<(), BoardError> {
+    fn spawn(&self, program: Program, path: &Path) -> Result<(), BoardError> {
         let socket = |name: &str| format!("unix:{name},server=on,wait=off");
         let log = File::create(self.folder.join("log")).map_err(|error| self.failed(&error.to_string()))?;
         let mut command = Command::new(QEMU);
         command
             .args(MACHINE)
+            .args(program.clock())
             .args(["-display", "none", "-monitor", "none", "-no-reboot"])
             .args(["-semihosting-config", "enable=on,target=native"])
             .args(["-serial", &socket(LINK), "-serial", &socket(BENCH)])
             .arg("-kernel")
-            .arg(program)
+            .arg(path)
             // Its sockets, and the file of its flash.
             .current_dir(&self.folder)
             .stdin(Stdio::null())
@@ -216,6 +217,15 @@ pub fn folder() -> PathBuf {
 }
 
 impl Program {
+    /// An instruction takes 4 ns of the emulated clock, so that a tick has 12,500; with four axes, whose controller and simulated machine
+    /// take more, 2 ns and 25,000. The clock does not run ahead of the host's.
+    const fn clock(self) -> [&'static str; 2] {
+        match self {
+            Self::TwoAxes => ["-icount", "shift=2,align=on"],
+            Self::FourAxes => ["-icount", "shift=1,align=on"],
+        }
+    }
+
     const fn name(self) -> &'static str {
         match self {
             Self::TwoAxes => "servo",

@@ -57,7 +57,7 @@ fn the_figures_of_the_chip_are_those_of_the_host_to_the_last_bit() {
     let (mut phases, started) = (Vec::new(), Instant::now());
     loop {
         let status = host.status();
-        let [x, y] = status.axes.into_array().unwrap();
+        let [x, y] = status.axes.clone().into_array().unwrap();
         assert_eq!(x.signals, Some(signals(x.motor).figures()), "{x:?}");
         assert_eq!((y.signals, status.supply.temperature_mc), (None, temperature));
         phases.push(x.signals.unwrap().phase_deg);
@@ -73,7 +73,7 @@ fn the_figures_of_the_chip_are_those_of_the_host_to_the_last_bit() {
     let (from, mut errors_nm) = (host.status().tick, Vec::new());
     let figures = loop {
         let status = host.status();
-        let [x, _] = status.axes.into_array().unwrap();
+        let [x, _] = status.axes.clone().into_array().unwrap();
         errors_nm.push(((x.command - x.motor) as f64 / PER_NM as f64).abs());
         if status.tick > from + 2 * u64::from(TICK_HZ) {
             break x.rms.expect("a complete second");

@@ -33,7 +33,7 @@ fn four_axes_are_homed_and_moved_together() {
     let motion = path("host-sim/motions/bench_four.toml");
     let record = format!("record --port bench --machine {machine} --motion {motion} --out out.csv --yes");
     let refused = board.fails(1, &record);
-    assert!(refused.contains("not homed"), "{refused}");
+    assert!(refused.contains("it has to be homed"), "{refused}");
     for axis in AXES {
         board.succeeds(&format!("board home --port bench --axis {axis}"));
         board.succeeds(&format!("board jog --port bench --axis {axis} --by-mm 91.7 --speed-mm-per-min 6000"));
@@ -41,7 +41,9 @@ fn four_axes_are_homed_and_moved_together() {
     let status = board.succeeds("board status --port bench");
     for axis in AXES {
         let columns = columns(&status, axis);
-        assert_eq!((columns[1], columns.last()), ("0.0000", Some(&"homed")), "{status}");
+        // The index pulse of the reference is at −91.7 mm.
+        assert!(columns[1].parse::<f64>().unwrap().abs() < 0.02, "{status}");
+        assert!(columns.last() == Some(&"homed") && !status.contains("not homed"), "{status}");
     }
     let recorded = board.succeeds(&record);
     for axis in AXES {
@@ -59,7 +61,7 @@ fn four_axes_are_homed_and_moved_together() {
             assert!(near, "{} {channel:?}: {ends:?}", axis.name);
         }
     }
-    let monitor = board.succeeds("board monitor --port bench --count 1");
+    let monitor = board.succeeds("board monitor --port bench --lines 1");
     assert!(AXES.iter().all(|axis| monitor.contains(&format!("{axis} "))), "{monitor}");
 }
 
@@ -92,16 +94,19 @@ fn a_machine_of_another_number_of_axes_is_refused() {
     let refused = board.fails(2, &format!("board upload --port bench --machine {two} --save"));
     assert_eq!(
         refused,
-        format!("error: {two}: axis: expected 4 axes, as the board has (x, y, z, u), found 2")
+        format!("lost-motion: {two}: axis: expected 4 axes, as the board has (x, y, z, u), found 2")
     );
     let motion = path("host-sim/motions/bench_travel.toml");
     let refused = board.fails(2, &format!("record --port bench --motion {motion} --out out.csv --yes"));
     assert!(refused.contains("machines/bench.toml: axis: expected 4 axes"), "{refused}");
     board.succeeds("board bench end");
     let refused = board.fails(2, &format!("board upload --port bench --machine {four} --save"));
-    assert_eq!(refused, format!("error: {four}: axis: expected 2 axes, as the board has (x, y), found 4"));
+    assert_eq!(
+        refused,
+        format!("lost-motion: {four}: axis: expected 2 axes, as the board has (x, y), found 4")
+    );
     let refused = board.fails(2, "board home --port bench --axis u");
-    assert_eq!(refused, "error: --axis: expected x or y (the axes of the board), found \"u\"");
+    assert_eq!(refused, "lost-motion: --axis: expected x or y (the axes of the board), found \"u\"");
 }
 
 /// What a board of two axes has saved is not for one of four: a fault, and the settings of the program.
