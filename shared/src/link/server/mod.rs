@@ -308,10 +308,7 @@ impl<const N: usize> ServerState<N> {
             Request::Excite(settings) => self.excite(settings, drive),
             Request::Follow { axis, settings } => self.follow(*axis, settings, drive),
             Request::NewMotion => self.new_motion(drive),
-            Request::AddBlock(block) => block
-                .of_axes()
-                .ok_or(Refusal::Axes { board: axis_count::<N>() })
-                .and_then(|block| self.add_block(&block, drive)),
+            Request::AddBlock(block) => self.add_block(block, drive),
             Request::StartMotion { blocks } => self.start_motion(*blocks, drive),
             Request::Upload { offset, bytes } => self.upload.append(*offset, bytes),
             Request::Switch { axis, kind, on } => drive.with(|drive| {
@@ -338,12 +335,6 @@ fn send(header: Header, reply: Reply, out: &mut Frame) {
     if packet::encode(header, &FromBoard::Reply(reply), out).is_err() {
         out.clear();
     }
-}
-
-/// The number of axes of a board, for messages.
-#[expect(clippy::cast_possible_truncation, reason = "at most MAX_AXES")]
-const fn axis_count<const N: usize>() -> u8 {
-    N as u8
 }
 
 /// A text, cut to its capacity.

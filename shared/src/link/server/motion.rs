@@ -1,14 +1,14 @@
 //! Motions and jogs.
 
 use super::super::HostedDrive;
-use super::super::message::Jog;
+use super::super::message::{Jog, PerAxis};
 use super::super::port::SharedDrive;
 use super::super::refusal::Refusal;
 use super::super::report::Activity;
 use super::block_limits::{SPEED_SHARE, axis_speeds, most_percent};
 use super::state::{Motion, ServerState};
 use crate::interpolate::feed_hold::MOST_PERCENT;
-use crate::interpolate::{Block, PathError};
+use crate::interpolate::{Block, BlockOf, PathError};
 use crate::scalar::Scalar;
 use crate::units::{Position, TRAVEL_LIMIT_M};
 
@@ -60,9 +60,11 @@ impl<const N: usize> ServerState<N> {
     /// Checks a block behind the previous ones and keeps it.
     pub(super) fn add_block<'m, S: Scalar>(
         &mut self,
-        block: &Block<N>,
+        block: &BlockOf<PerAxis<f64>>,
         drive: &mut impl SharedDrive<'m, S, N>,
     ) -> Result<(), Refusal> {
+        let board = u8::try_from(N).unwrap_or(u8::MAX);
+        let block = &block.of_axes().ok_or(Refusal::Axes { board })?;
         let number = u16::try_from(self.motion.blocks.len()).unwrap_or(u16::MAX);
         if self.motion.blocks.is_full() {
             return Err(Refusal::MotionFull { max: number });
