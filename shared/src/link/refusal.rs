@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::board_settings::NotSettings;
 use super::halt::Halt;
 use super::report::HomingFailure;
 use crate::config::ConfigError;
@@ -235,6 +236,15 @@ impl From<DirectionCheckError> for Refusal {
             DirectionCheckError::Setting("force_n") => DirectionProblem::Force,
             DirectionCheckError::Setting(_) => DirectionProblem::Setting,
         })
+    }
+}
+
+impl From<NotSettings> for Refusal {
+    fn from(error: NotSettings) -> Self {
+        match error {
+            NotSettings::Unreadable => Self::Upload(UploadError::Unreadable),
+            NotSettings::Axes { board } => Self::Axes { board },
+        }
     }
 }
 

@@ -47,7 +47,7 @@ fn read_by_all(block: &BlockOf<PerAxis<f64>>) -> [Option<Vec<f64>>; MAX_AXES] {
 /// What boards of 1 to 4 axes read of settings.
 fn settings_of_all(bytes: &[u8]) -> [Result<Vec<AxisSettings>, Refusal>; MAX_AXES] {
     fn axes<const N: usize>(bytes: &[u8]) -> Result<Vec<AxisSettings>, Refusal> {
-        BoardSettings::<N>::read(bytes).map(|settings| settings.axes.to_vec())
+        Ok(BoardSettings::<N>::read(bytes)?.axes.to_vec())
     }
     [axes::<1>(bytes), axes::<2>(bytes), axes::<3>(bytes), axes::<4>(bytes)]
 }
