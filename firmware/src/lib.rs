@@ -5,8 +5,8 @@
 //! |---|---|---|
 //! | `board` | STM32F405 with two drives | `cargo board` |
 //! | `emulated` | QEMU's `mps2-an386`, in step with a host | `cargo emulated` |
-//! | `servo` | the same, as a servo board with its own ticks, a link, and a simulated machine | `cargo servo` |
-//! | `cost` | the same, without a host: counts the instructions of each part of a tick | `cargo cost` |
+//! | `servo`, `servo-four` | the same, as a servo board of two or four axes with its own ticks, a link, and a simulated machine | `cargo servo` |
+//! | `cost`, `cost-four` | the same, without a host: counts the instructions of each part of a tick | `cargo cost`, `cargo cost-four` |
 #![no_std]
 
 pub mod bench;

@@ -21,7 +21,7 @@ use shared::machine::{Machine, MachineConfig, MachineError};
 use shared::scalar::Fixed;
 use shared::units::{PER_NM, Position};
 
-/// Axes of the board.
+/// Axes of the board: as many as its pins and timers are assigned to (`firmware/src/board`).
 pub const AXES: usize = 2;
 
 /// Rates of the loops.
@@ -125,7 +125,7 @@ pub static TABLE: [AxisTable; AXES] = {
 const COUNTS: [i64; AXES] = [250 * PER_NM; AXES];
 
 /// What the board says about itself.
-pub const IDENTITY: Identity = Identity {
+pub const IDENTITY: Identity<AXES> = Identity {
     board: "STM32F405, two drives",
     software: env!("CARGO_PKG_VERSION"),
     tick_hz: TICK_HZ,
@@ -143,12 +143,12 @@ pub const USB_IDS: (u16, u16) = (0x16c0, 0x27dd);
 pub const USB_MANUFACTURER: &str = "Lost Motion";
 
 /// The settings until others are uploaded. They do not compile unless they are within [`ENVELOPE`].
-pub const LINK_SETTINGS: AdmittedSettings =
+pub const LINK_SETTINGS: AdmittedSettings<AXES> =
     ENVELOPE.admit_program(BoardSettings { rates: RATES, axes: SETTINGS });
 
 /// What no upload and no record in flash may exceed. It is what the machine withstands, not what is convenient: a drive of 400 N, a
 /// travel of 0.4 m between the limit switches, with the reference at the negative one, supplies of 48 V.
-pub static ENVELOPE: Envelope = Envelope {
+pub static ENVELOPE: Envelope<AXES> = Envelope {
     axes: [AxisEnvelope {
         travel_m: Some([-0.01, 0.4]),
         // 30 m/min.

@@ -26,7 +26,7 @@ use shared::units::Position;
 const SETTLING: u32 = 20;
 
 struct Board<'m> {
-    server: Box<Server>,
+    server: Box<Server<2>>,
     drive: HostedDrive<'m, Fixed, 2>,
     memory: SettingsMemory<Memory>,
     plant: TestPlant,
@@ -185,7 +185,7 @@ impl Board<'_> {
             14 => self.request(&Request::BeginSave),
             _ => {
                 self.request(&Request::NewMotion);
-                self.request(&Request::AddBlock(Block::line([1e-4 * f64::from(first), 0.0], 0.03, 0.5)));
+                self.request(&Request::add_block(Block::line([1e-4 * f64::from(first), 0.0], 0.03, 0.5)));
                 self.request(&Request::StartMotion { blocks: 1 });
             }
         }

@@ -1,6 +1,6 @@
-//! The simulated machine of the emulated servo board: two axes behind the same trait as the pins of a real board.
+//! The simulated machine of the emulated servo board: 1 to 4 axes behind the same trait as the pins of a real board.
 //!
-//! `host-sim/machines/bench.toml` declares this machine. What it does not declare is the backlash of the x screw
+//! `host-sim/machines/bench.toml` declares this machine with two axes, `host-sim/machines/bench-four.toml` with four. What it does not declare is the backlash of the x screw
 //! ([`BACKLASH_M`]): the tracer finds it in the logs of the board. The x motor has no cogging until it is switched on ([`COGGING`]), and y is
 //! horizontal until it is stood up.
 
@@ -19,13 +19,13 @@ use shared::drive::{
 use shared::feedback::Reading;
 use shared::figures::{Thermistor, ThermistorSettings};
 use shared::homing::{AtLimit, Direction, HomingSettings, Mark};
-use shared::link::message::BoardSettings;
+use shared::link::message::{BoardSettings, MAX_AXES};
 use shared::link::{AdmittedSettings, Envelope, Identity, Times};
 use shared::machine::{Machine, MachineConfig};
 use shared::scalar::Fixed;
 use shared::units::{PER_NM, Position};
 
-use crate::setup::{self, AXES, RATES, SWITCH_SETTLING_TICKS, SetupError, TICK_HZ};
+use crate::setup::{self, RATES, SWITCH_SETTLING_TICKS, SetupError, TICK_HZ};
 pub use axis::COUNT;
 use axis::{AxisPlant, Frozen, INDEX_M, LEAD_M, Surroundings};
 use brake::Brake;
@@ -35,13 +35,13 @@ use master::Master;
 pub use signals::signals;
 
 /// Width of the dead zone between screw and table, m. Not declared in the machine file.
-pub const BACKLASH_M: [f64; AXES] = [14e-6, 0.0];
+pub const BACKLASH_M: [f64; MAX_AXES] = [14e-6, 0.0, 0.0, 0.0];
 
 /// Travel of the axes, m; the limit switches are 5 mm beyond it.
 pub const TRAVEL_M: [f64; 2] = [-0.1, 0.1];
 
 /// Position of the axes at power-up, m: not known to the controller before they are homed.
-const START_M: [f64; AXES] = [-0.0312, 0.0174];
+const START_M: [f64; MAX_AXES] = [-0.0312, 0.0174, 0.0253, -0.0417];
 
 /// Tables beyond this position are on their home switch, m.
 const HOME_SWITCH_M: f64 = -0.09;
@@ -61,23 +61,6 @@ pub const THERMISTOR: ThermistorSettings =
 
 /// Its counts at 31 °C: 10 kΩ·e^(3950·(1/304.15 − 1/298.15)) is 7.7 kΩ.
 pub const THERMISTOR_COUNTS: u16 = 1782;
-
-/// What no upload and no record in flash may exceed.
-pub static ENVELOPE: Envelope = Envelope {
-    axes: [AxisEnvelope {
-        travel_m: Some(TRAVEL_M),
-        // 18 m/min.
-        fastest_m_per_s: 0.3,
-        force_limit_n: 300.0,
-        saturation_time_s: 1.0,
-        following_error_limit_m: 2e-3,
-        frozen_encoder_limit_m: 0.5e-3,
-        scale_disagreement_limit_m: Some(1e-3),
-        stop_deceleration_m_per_s2: 0.5,
-        excitation_limit_n: 120.0,
-    }; AXES],
-    supply: SupplyLimits { min_bus_mv: 36_000, max_bus_mv: 56_000, max_temperature_mc: 80_000 },
-};
 
 /// How the axes are homed: towards the switch at their negative end, to the index pulse behind its edge.
 const HOMING: HomingSettings = HomingSettings {
@@ -104,32 +87,58 @@ const FULL_COUNTS: u16 = 8400;
 
 /// Force of a PWM count, N.
 #[expect(clippy::cast_possible_truncation, reason = "rounded to 24 bits")]
-const N_PER_COUNT: [f32; AXES] =
-    [setup::FULL_DUTY_N[0] as f32 / FULL_COUNTS as f32, setup::FULL_DUTY_N[1] as f32 / FULL_COUNTS as f32];
+const N_PER_COUNT: f32 = setup::FULL_DUTY_N[0] as f32 / FULL_COUNTS as f32;
 
-/// The settings of the controller at the start, within [`ENVELOPE`].
-pub const SETTINGS: AdmittedSettings = ENVELOPE.admit_program(BoardSettings {
-    rates: RATES,
-    axes: [AxisSettings { travel_m: Some(TRAVEL_M), ..setup::SETTINGS[0] }; AXES],
-});
+/// Limits of the supply.
+pub const SUPPLY_LIMITS: SupplyLimits =
+    SupplyLimits { min_bus_mv: 36_000, max_bus_mv: 56_000, max_temperature_mc: 80_000 };
 
-/// What the board says about itself.
-pub const IDENTITY: Identity = Identity {
-    board: "emulated servo board",
-    software: env!("CARGO_PKG_VERSION"),
-    tick_hz: TICK_HZ,
-    steps: ChannelSteps { command: PER_NM / 16, motor: [COUNT; AXES], table: [COUNT; AXES], force_bits: 5 },
-    times: Times { hold_ms: 500, off_ms: 10_000, jog_ms: 300 },
-    homing: [Some(HOMING); AXES],
-    envelope: &ENVELOPE,
-};
-
-/// The machine with its inputs, operated from the bench and not by the host.
+/// The constants of a board of `N` axes.
 #[derive(Debug)]
-pub struct Bench {
-    axes: [AxisPlant; AXES],
+pub struct Constants<const N: usize>;
+
+impl<const N: usize> Constants<N> {
+    /// What no upload and no record in flash may exceed.
+    pub const ENVELOPE: Envelope<N> = Envelope {
+        axes: [AxisEnvelope {
+            travel_m: Some(TRAVEL_M),
+            // 18 m/min.
+            fastest_m_per_s: 0.3,
+            force_limit_n: 300.0,
+            saturation_time_s: 1.0,
+            following_error_limit_m: 2e-3,
+            frozen_encoder_limit_m: 0.5e-3,
+            scale_disagreement_limit_m: Some(1e-3),
+            stop_deceleration_m_per_s2: 0.5,
+            excitation_limit_n: 120.0,
+        }; N],
+        supply: SUPPLY_LIMITS,
+    };
+
+    /// The settings of the controller at the start, within [`Constants::ENVELOPE`].
+    pub const SETTINGS: AdmittedSettings<N> = Self::ENVELOPE.admit_program(BoardSettings {
+        rates: RATES,
+        axes: [AxisSettings { travel_m: Some(TRAVEL_M), ..setup::SETTINGS[0] }; N],
+    });
+
+    /// What the board says about itself.
+    pub const IDENTITY: Identity<N> = Identity {
+        board: "emulated servo board",
+        software: env!("CARGO_PKG_VERSION"),
+        tick_hz: TICK_HZ,
+        steps: ChannelSteps { command: PER_NM / 16, motor: [COUNT; N], table: [COUNT; N], force_bits: 5 },
+        times: Times { hold_ms: 500, off_ms: 10_000, jog_ms: 300 },
+        homing: [Some(HOMING); N],
+        envelope: &Self::ENVELOPE,
+    };
+}
+
+/// The machine of `N` axes with its inputs, operated from the bench and not by the host.
+#[derive(Debug)]
+pub struct Bench<const N: usize> {
+    axes: [AxisPlant; N],
     /// Forces that act until the next tick, N.
-    forces: [f32; AXES],
+    forces: [f32; N],
     enabled: bool,
     /// The brake of y, which a horizontal axis does not have.
     y_brake: Brake,
@@ -168,13 +177,14 @@ pub struct OperatorInputs {
     pub held_off: bool,
 }
 
-impl Bench {
-    /// Axes at zero, switch open.
+impl<const N: usize> Bench<N> {
+    /// Axes where they are at power-up, switch open. There are at most [`MAX_AXES`]: more are an error of the compiler.
     #[must_use]
     pub fn new() -> Self {
+        const { assert!(N >= 1 && N <= MAX_AXES, "a board has 1 to 4 axes") };
         Self {
             axes: core::array::from_fn(|axis| AxisPlant::new(BACKLASH_M[axis], START_M[axis])),
-            forces: [0.0; AXES],
+            forces: [0.0; N],
             enabled: false,
             y_brake: Brake::CLOSED,
             master: Master::default(),
@@ -206,47 +216,55 @@ impl Bench {
             self.operator_inputs;
         self.y_brake.step();
         self.master.step(&mut self.operator_inputs.master_counts);
-        let forces = if self.enabled { self.forces } else { [0.0; AXES] };
-        let [x, y] = &mut self.axes;
-        let motor_n = if x_cogging { cogging::force_n(x.motor()) } else { 0.0 };
-        x.step(forces[0], Surroundings { motor_n, stopped: x_stop, ..Surroundings::default() }, x_frozen);
+        let forces = if self.enabled { self.forces } else { [0.0; N] };
         let braked = vertical && self.y_brake.is_closed();
-        y.step(
-            forces[1],
-            Surroundings { vertical, loaded, braked, ..Surroundings::default() },
-            Frozen::default(),
-        );
+        for (number, (axis, force)) in self.axes.iter_mut().zip(forces).enumerate() {
+            let (surroundings, frozen) = match number {
+                0 => {
+                    let motor_n = if x_cogging { cogging::force_n(axis.motor()) } else { 0.0 };
+                    (Surroundings { motor_n, stopped: x_stop, ..Surroundings::default() }, x_frozen)
+                }
+                1 => {
+                    let of_y = Surroundings { vertical, loaded, braked, ..Surroundings::default() };
+                    (of_y, Frozen::default())
+                }
+                _ => (Surroundings::default(), Frozen::default()),
+            };
+            axis.step(force, surroundings, frozen);
+        }
     }
 }
 
-impl Default for Bench {
+impl<const N: usize> Default for Bench<N> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Board<AXES, DriveSignal> for Bench {
-    fn readings(&mut self) -> [Reading; AXES] {
-        let [mut x, y] = self.axes.each_ref().map(AxisPlant::reading);
-        if self.operator_inputs.x_scale_lost {
+impl<const N: usize> Board<N, DriveSignal> for Bench<N> {
+    fn readings(&mut self) -> [Reading; N] {
+        let mut readings = self.axes.each_ref().map(AxisPlant::reading);
+        if self.operator_inputs.x_scale_lost
+            && let Some(x) = readings.first_mut()
+        {
             x.table = None;
         }
-        [x, y]
+        readings
     }
 
-    fn inputs(&mut self) -> Inputs<AXES> {
-        let [x, _] = &self.axes;
-        let x_signals = signals(x.reading().motor);
+    fn inputs(&mut self) -> Inputs<N> {
         let mut axes = self.axes.each_mut().map(|axis| AxisInputs {
             limits: axis.at_limits([TRAVEL_M[0] - LIMIT_SWITCH_M, TRAVEL_M[1] + LIMIT_SWITCH_M]),
             home: axis.is_below(HOME_SWITCH_M),
             motor_index: axis.take_index(),
             ..AxisInputs::NONE
         });
-        axes[0].signals = Some(x_signals);
-        axes[0].counter = Some(self.master.count());
-        let [x, _] = &self.axes;
-        let probe_touched = self.operator_inputs.x_workpiece && !x.is_below(WORKPIECE_M);
+        let mut probe_touched = false;
+        if let (Some(inputs), Some(x)) = (axes.first_mut(), self.axes.first()) {
+            inputs.signals = Some(signals(x.reading().motor));
+            inputs.counter = Some(self.master.count());
+            probe_touched = self.operator_inputs.x_workpiece && !x.is_below(WORKPIECE_M);
+        }
         let emergency_stop = self.operator_inputs.emergency_stop;
         Inputs {
             axes,
@@ -266,11 +284,11 @@ impl Board<AXES, DriveSignal> for Bench {
         self.operator_inputs.emergency_stop
     }
 
-    fn set_signals(&mut self, signals: [DriveSignal; AXES]) {
-        for ((force, signal), n_per_count) in self.forces.iter_mut().zip(signals).zip(N_PER_COUNT) {
+    fn set_signals(&mut self, signals: [DriveSignal; N]) {
+        for (force, signal) in self.forces.iter_mut().zip(signals) {
             // The drives of the bench have PWM and direction.
             let duty = if let DriveSignal::Pwm(duty) = signal { duty } else { Duty::default() };
-            let magnitude = f32::from(duty.counts) * n_per_count;
+            let magnitude = f32::from(duty.counts) * N_PER_COUNT;
             *force = if duty.reverse { -magnitude } else { magnitude };
         }
     }
@@ -295,19 +313,18 @@ impl Board<AXES, DriveSignal> for Bench {
 ///
 /// # Errors
 /// [`SetupError`] for an invalid value.
-pub fn drive_system(
-    machine: &mut Machine<Fixed, AXES>,
-) -> Result<DriveSystem<'_, Fixed, AXES, AnyOutput<Fixed>>, SetupError> {
-    machine.configure(MachineConfig::new(SETTINGS.rates, &SETTINGS.axes)?, &[Position(0); AXES]);
-    let [x, y] = setup::FULL_DUTY_N;
-    let output = |full_duty_n| Amplifier::new(full_duty_n, FULL_COUNTS).map(AnyOutput::Pwm);
-    let outputs = [output(x)?, output(y)?];
+pub fn drive_system<const N: usize>(
+    machine: &mut Machine<Fixed, N>,
+) -> Result<DriveSystem<'_, Fixed, N, AnyOutput<Fixed>>, SetupError> {
+    let settings = const { Constants::<N>::SETTINGS };
+    machine.configure(MachineConfig::new(settings.rates, &settings.axes)?, &[Position(0); N]);
+    let outputs = [AnyOutput::Pwm(Amplifier::new(setup::FULL_DUTY_N[0], FULL_COUNTS)?); N];
     let (switch, light) = (EnableSwitch::new(SWITCH_SETTLING_TICKS), StatusLight::new(setup::BLINK_TICKS));
-    for axis in 0..AXES {
+    for axis in 0..N {
         machine.lose_reference(axis);
     }
     let system = DriveSystem::new(machine, outputs, switch, light);
-    let thermistor = Thermistor::new(&THERMISTOR, ENVELOPE.supply.max_temperature_mc);
+    let thermistor = Thermistor::new(&THERMISTOR, SUPPLY_LIMITS.max_temperature_mc);
     let system = system.with_thermistor(thermistor.ok_or(SetupError::Converter)?);
-    Ok(system.with_supply_limits(ENVELOPE.supply).with_tick_clock(TICK_CLOCK))
+    Ok(system.with_supply_limits(SUPPLY_LIMITS).with_tick_clock(TICK_CLOCK))
 }

@@ -55,9 +55,9 @@ mod app {
     /// One round of the idle loop. A function of its own, which the test on the emulated chip counts.
     #[inline(never)]
     fn serve<W: Mutex<T = Watchdog>>(
-        server: &mut Server,
+        server: &mut Server<AXES>,
         ports: &mut Ports,
-        drive: &mut impl SharedDrive<'static, Fixed>,
+        drive: &mut impl SharedDrive<'static, Fixed, AXES>,
         memory: &mut Settings<W>,
     ) {
         usb::service(ports, drive);
@@ -66,7 +66,7 @@ mod app {
 
     /// Loads the settings, then serves the link, between ticks.
     #[idle(
-        local = [ports, start, server: Server = Server::new(IDENTITY, LINK_SETTINGS)],
+        local = [ports, start, server: Server<AXES> = Server::new(IDENTITY, LINK_SETTINGS)],
         shared = [drive, watchdog]
     )]
     fn idle(context: idle::Context) -> ! {

@@ -37,7 +37,7 @@ pub type Drive = HostedDrive<'static, Fixed, AXES>;
 /// The drives behind a lock, which holds off the ticks.
 pub struct Locked<M>(pub M);
 
-impl<M: Mutex<T = Drive>> SharedDrive<'static, Fixed> for Locked<M> {
+impl<M: Mutex<T = Drive>> SharedDrive<'static, Fixed, AXES> for Locked<M> {
     fn with<R>(&mut self, access: impl FnOnce(&mut Drive) -> R) -> R {
         self.0.lock(access)
     }

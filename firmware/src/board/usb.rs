@@ -16,7 +16,7 @@ use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 use usb_device::bus::UsbBusAllocator;
 
 use super::uart::Uart;
-use crate::setup;
+use crate::setup::{self, AXES};
 use crate::usb_port::{CdcPort, UsbIdentity};
 
 /// Product numbers of the cores whose VBUS sensing is switched off by NOVBUSSENS (RM0090, 34.16.2): STM32F405 and STM32F429.
@@ -118,7 +118,7 @@ fn serial_number() -> heapless::String<24> {
 }
 
 /// Answers the USB host, and decides which port is that of the link's host.
-pub fn service(ports: &mut Ports, drive: &mut impl SharedDrive<'static, Fixed>) {
+pub fn service(ports: &mut Ports, drive: &mut impl SharedDrive<'static, Fixed, AXES>) {
     if let Some(port) = ports.usb_port() {
         port.poll();
     }

@@ -36,9 +36,12 @@ pub const PROGRAM: [Block<AXES>; 5] = [
     line([-0.001, 0.002]),
 ];
 
-const FEED_M_PER_S: f64 = 0.3;
-const ACCELERATION_M_PER_S2: f64 = 20.0;
-const RAMPS: Ramps = Ramps::SCurve { jerk_m_per_s3: 4000.0 };
+/// Feed of each block, m/s.
+pub const FEED_M_PER_S: f64 = 0.3;
+/// Acceleration of each block, m/s².
+pub const ACCELERATION_M_PER_S2: f64 = 20.0;
+/// Ramps of each block.
+pub const RAMPS: Ramps = Ramps::SCurve { jerk_m_per_s3: 4000.0 };
 
 /// A line to a point.
 #[must_use]
@@ -216,7 +219,7 @@ const ENCODER_M: f64 = 50e-9;
 
 impl Axis {
     /// The readings after a tick under a force. The motor is ahead of the table by the wind-up of the screw.
-    fn step(&mut self, force_n: f64) -> Reading {
+    pub fn step(&mut self, force_n: f64) -> Reading {
         let speed = if self.velocity_m_per_s < 0.0 { -self.velocity_m_per_s } else { self.velocity_m_per_s };
         let coulomb = COULOMB_N * self.velocity_m_per_s / (COULOMB_SPEED_M_PER_S + speed);
         let tick = 1.0 / RATES.velocity_loop_hz;

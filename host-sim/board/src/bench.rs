@@ -16,8 +16,8 @@ use crate::port::Port;
 /// The emulator's program.
 const QEMU: &str = "qemu-system-arm";
 
-/// An instruction takes 4 ns of the emulated clock, so that a tick has 12,500, and the clock does not run ahead of the host's.
-const MACHINE: [&str; 4] = ["-machine", "mps2-an386", "-icount", "shift=2,align=on"];
+/// The emulated chip.
+const MACHINE: [&str; 2] = ["-machine", "mps2-an386"];
 
 /// Environment variable with the folder of sockets and log; without it a folder for each user.
 pub const FOLDER_VARIABLE: &str = "LOST_MOTION_BENCH";
@@ -38,6 +38,13 @@ const START_TIMEOUT: Duration = Duration::from_secs(20);
 /// Longest wait for the bench to confirm a byte.
 const CONFIRM_TIMEOUT: Duration = Duration::from_secs(5);
 
+/// The programs of the emulated board.
+#[derive(Clone, Copy, Debug)]
+enum Program {
+    TwoAxes,
+    FourAxes,
+}
+
 /// The emulated servo board.
 #[derive(Clone, Debug)]
 pub struct Bench {
@@ -45,21 +52,36 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// The board, started if it does not run.
+    /// The board, started with two axes if it does not run.
     ///
     /// # Errors
     /// [`BoardError::Port`] if QEMU or the board's program is missing, or does not start.
     pub fn start() -> Result<Self, BoardError> {
+        Self::started(Program::TwoAxes).map(|(bench, _)| bench)
+    }
+
+    /// Starts the board with four axes.
+    ///
+    /// # Errors
+    /// As [`Bench::start`]; also if a board runs already.
+    pub fn start_four() -> Result<Self, BoardError> {
+        let (bench, is_new) = Self::started(Program::FourAxes)?;
+        if is_new { Ok(bench) } else { Err(bench.failed("it runs already: `board bench end` ends it")) }
+    }
+
+    /// The board, and whether it was started with this program now.
+    fn started(program: Program) -> Result<(Self, bool), BoardError> {
         let bench = Self { folder: folder() };
         fs::create_dir_all(&bench.folder).map_err(|error| bench.failed(&error.to_string()))?;
         // One command starts it, and others wait for that.
         let lock = File::create(bench.folder.join("lock")).and_then(|file| file.lock().map(|()| file));
         let _lock = lock.map_err(|error| bench.failed(&error.to_string()))?;
-        if Port::socket(&bench.bench_socket()).is_err() {
-            let program = fs::canonicalize(program()?).map_err(|error| bench.failed(&error.to_string()))?;
-            bench.spawn(&program)?;
+        let is_new = Port::socket(&bench.bench_socket()).is_err();
+        if is_new {
+            let path = fs::canonicalize(program.path()?).map_err(|error| bench.failed(&error.to_string()))?;
+            bench.spawn(program, &path)?;
         }
-        Ok(bench)
+        Ok((bench, is_new))
     }
 
     /// Whether the board runs.
@@ -134,17 +156,18 @@ impl Bench {
         self.folder.join(BENCH)
     }
 
-    fn spawn(&self, program: &Path) -> Result<(), BoardError> {
+    fn spawn(&self, program: Program, path: &Path) -> Result<(), BoardError> {
         let socket = |name: &str| format!("unix:{name},server=on,wait=off");
         let log = File::create(self.folder.join("log")).map_err(|error| self.failed(&error.to_string()))?;
         let mut command = Command::new(QEMU);
         command
             .args(MACHINE)
+            .args(program.clock())
             .args(["-display", "none", "-monitor", "none", "-no-reboot"])
             .args(["-semihosting-config", "enable=on,target=native"])
             .args(["-serial", &socket(LINK), "-serial", &socket(BENCH)])
             .arg("-kernel")
-            .arg(program)
+            .arg(path)
             // Its sockets, and the file of its flash.
             .current_dir(&self.folder)
             .stdin(Stdio::null())
@@ -193,21 +216,42 @@ pub fn folder() -> PathBuf {
     std::env::temp_dir().join(format!("lost-motion-bench-{user}"))
 }
 
-/// The program of the board: beside this program, or in the target folder of its workspace. It is not built here: that takes minutes.
-fn program() -> Result<PathBuf, BoardError> {
-    const NAME: &str = "thumbv7em-none-eabihf/firmware/servo";
-    let this_program = std::env::current_exe().ok();
-    let beside = this_program.iter().filter_map(|program| Some(program.parent()?.join("servo")));
-    let targets = this_program.iter().flat_map(|program| program.ancestors().skip(1)).map(|up| up.join(NAME));
-    let workspace = workspace();
-    let built = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace.join("target"), PathBuf::from);
-    let mut candidates = beside.chain(targets).chain(std::iter::once(built.join(NAME)));
-    candidates.find(|path| path.is_file()).ok_or_else(|| {
-        let folder = workspace.display();
-        BoardError::Port(format!(
-            "bench: the program of the emulated board is missing: build it with `cargo servo` in {folder} (once, some minutes)"
-        ))
-    })
+impl Program {
+    /// An instruction takes 4 ns of the emulated clock, so that a tick has 12,500; with four axes, whose controller and simulated machine
+    /// take more, 2 ns and 25,000. The clock does not run ahead of the host's.
+    const fn clock(self) -> [&'static str; 2] {
+        match self {
+            Self::TwoAxes => ["-icount", "shift=2,align=on"],
+            Self::FourAxes => ["-icount", "shift=1,align=on"],
+        }
+    }
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::TwoAxes => "servo",
+            Self::FourAxes => "servo-four",
+        }
+    }
+
+    /// Its file: beside this program, or in the target folder of its workspace. It is not built here: that takes minutes.
+    fn path(self) -> Result<PathBuf, BoardError> {
+        let name = self.name();
+        let in_target = Path::new("thumbv7em-none-eabihf/firmware").join(name);
+        let this_program = std::env::current_exe().ok();
+        let beside = this_program.iter().filter_map(|program| Some(program.parent()?.join(name)));
+        let above = this_program.iter().flat_map(|program| program.ancestors().skip(1));
+        let targets = above.map(|up| up.join(&in_target));
+        let workspace = workspace();
+        let target =
+            std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace.join("target"), PathBuf::from);
+        let mut candidates = beside.chain(targets).chain(std::iter::once(target.join(&in_target)));
+        candidates.find(|path| path.is_file()).ok_or_else(|| {
+            let folder = workspace.display();
+            BoardError::Port(format!(
+                "bench: the program of the emulated board is missing: build it with `cargo servo` in {folder} (once, some minutes)"
+            ))
+        })
+    }
 }
 
 /// The folder of the workspace that this program was built from.

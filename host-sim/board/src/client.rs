@@ -65,6 +65,12 @@ impl Client {
         &self.welcome
     }
 
+    /// Number of axes of the board.
+    #[must_use]
+    pub fn axes(&self) -> usize {
+        self.welcome.steps.axes.len()
+    }
+
     /// Sends a request and returns its reply.
     ///
     /// # Errors
@@ -193,17 +199,16 @@ fn nonce() -> u32 {
 
 /// Before the hello.
 fn no_welcome() -> Welcome {
-    use shared::capture::ChannelSteps;
     use shared::config::Rates;
+    use shared::link::steps::ListedSteps;
     Welcome {
         session: 0,
         board: heapless::String::new(),
         software: heapless::String::new(),
         sources: 0,
-        axes: 0,
         rates: Rates { velocity_loop_hz: 0.0, position_loop_divider: 1 },
         times: shared::link::Times::default(),
-        steps: ChannelSteps { command: 1, motor: [1; 2], table: [1; 2], force_bits: 0 },
+        steps: ListedSteps::default(),
         capture_bytes: 0,
     }
 }

@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use shared::interpolate::Block;
+use shared::interpolate::BlockOf;
 use shared::interpolate::feed_hold::FeedState;
-use shared::link::message::{AXES, Request};
+use shared::link::message::{PerAxis, Request};
 use shared::link::report::{Activity, Status};
 use shared::safety::Power;
 
@@ -40,10 +40,10 @@ impl Client {
     ///
     /// # Errors
     /// [`BoardError`]; a block that the board refuses with its number.
-    pub fn send_motion(&mut self, blocks: &[Block<AXES>]) -> Result<(), BoardError> {
+    pub fn send_motion(&mut self, blocks: &[BlockOf<PerAxis<f64>>]) -> Result<(), BoardError> {
         self.command(&Request::NewMotion)?;
         for block in blocks {
-            self.command(&Request::AddBlock(*block))?;
+            self.command(&Request::AddBlock(block.clone()))?;
         }
         Ok(())
     }

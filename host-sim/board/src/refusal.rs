@@ -7,13 +7,14 @@ use shared::interpolate::following::FollowError;
 use shared::link::Refusal;
 use shared::link::halt::Halt;
 use shared::link::history::HistoryEvent;
+use shared::link::message::MAX_AXES;
 use shared::link::refusal::{DirectionProblem, SettingProblem, UploadError};
 use shared::link::report::{HomingFailure, SettingsReport, SettingsSource, StoredRecord};
 use shared::probing::ProbeError;
 use shared::safety::{Fault, FaultKind};
 
-/// Names of the axes of a board.
-pub const AXIS_NAMES: [&str; 2] = ["x", "y"];
+/// Names of the axes of a board, in its order; a board of fewer axes has the first of them.
+pub const AXIS_NAMES: [&str; MAX_AXES] = ["x", "y", "z", "u"];
 
 /// The name of an axis.
 #[must_use]
@@ -47,6 +48,7 @@ pub fn text(refusal: &Refusal) -> String {
             60e3 * limit_m_per_s
         ),
         Refusal::NoSuchAxis => "it has no such axis".into(),
+        Refusal::Axes { board } => format!("it has {board} axes"),
         Refusal::NotArmed => {
             "the enable switch is open, or was closed before the last stop: open it, then close it".into()
         }

@@ -1,10 +1,11 @@
 //! Samples in SI.
 
-use shared::capture::{ChannelSteps, Decoder};
-use shared::link::message::AXES;
+use shared::capture::Decoder;
+use shared::link::message::PerAxis;
+use shared::link::steps::ListedSteps;
 use shared::link::stream::StreamPacket;
 
-/// A channel without a reading, or samples that are not as many as announced.
+/// A channel without a reading, samples that are not as many as announced, or a board without axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unreadable;
 
@@ -21,31 +22,46 @@ pub struct AxisSample {
     pub force_n: f64,
 }
 
-/// Decodes samples of a recording or of a packet of a stream.
+/// Decodes samples of a recording or of a packet of a stream, of as many axes as there are steps.
 ///
 /// # Errors
-/// [`Unreadable`] if there are fewer samples.
+/// [`Unreadable`] if there are fewer samples, or no axes.
 pub fn decode(
-    steps: &ChannelSteps<AXES>,
+    steps: &ListedSteps,
     period: u32,
     samples: u32,
     bytes: &[u8],
-) -> Result<Vec<[AxisSample; AXES]>, Unreadable> {
-    let mut decoder = Decoder::<AXES>::new(period, bytes);
+) -> Result<Vec<PerAxis<AxisSample>>, Unreadable> {
+    match steps.axes.len() {
+        1 => decode_of::<1>(steps, period, samples, bytes),
+        2 => decode_of::<2>(steps, period, samples, bytes),
+        3 => decode_of::<3>(steps, period, samples, bytes),
+        4 => decode_of::<4>(steps, period, samples, bytes),
+        _ => Err(Unreadable),
+    }
+}
+
+fn decode_of<const N: usize>(
+    steps: &ListedSteps,
+    period: u32,
+    samples: u32,
+    bytes: &[u8],
+) -> Result<Vec<PerAxis<AxisSample>>, Unreadable> {
+    let steps = steps.of_axes::<N>().ok_or(Unreadable)?;
+    let mut decoder = Decoder::<N>::new(period, bytes);
     (0..samples)
         .map(|_| {
             let sample = decoder.next_sample().ok_or(Unreadable)?;
-            let mut axes = [AxisSample::default(); AXES];
-            for (axis, values) in sample.iter().enumerate() {
+            let axes = sample.iter().enumerate().map(|(axis, values)| {
                 let ([command, motor, table], force_n) = steps.values(axis, values);
-                axes[axis] = AxisSample {
+                Ok(AxisSample {
                     command_m: command.ok_or(Unreadable)?,
                     motor_m: motor.ok_or(Unreadable)?,
                     table_m: table,
                     force_n,
-                };
-            }
-            Ok(axes)
+                })
+            });
+            axes.collect()
         })
         .collect()
 }
@@ -54,9 +70,6 @@ pub fn decode(
 ///
 /// # Errors
 /// [`Unreadable`].
-pub fn of_packet(
-    steps: &ChannelSteps<AXES>,
-    packet: &StreamPacket,
-) -> Result<Vec<[AxisSample; AXES]>, Unreadable> {
+pub fn of_packet(steps: &ListedSteps, packet: &StreamPacket) -> Result<Vec<PerAxis<AxisSample>>, Unreadable> {
     decode(steps, packet.period, packet.samples.into(), &packet.bytes)
 }

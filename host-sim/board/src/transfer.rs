@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use serde::Serialize;
-use shared::link::message::{AXES, LONGEST_UPLOAD, PART, Reply, Request, UploadKind};
+use shared::link::message::{LONGEST_UPLOAD, PART, PerAxis, Reply, Request, UploadKind};
 use shared::link::packet;
 use shared::link::report::CaptureReport;
 
@@ -53,7 +53,7 @@ impl Client {
     ///
     /// # Errors
     /// [`BoardError`].
-    pub fn read_capture(&mut self) -> Result<Vec<[AxisSample; AXES]>, BoardError> {
+    pub fn read_capture(&mut self) -> Result<Vec<PerAxis<AxisSample>>, BoardError> {
         let report = self.capture_report()?;
         let mut bytes: Vec<u8> = Vec::new();
         while bytes.len() < report.bytes as usize {
@@ -63,7 +63,7 @@ impl Client {
                 _ => return Err(BoardError::Unexpected),
             }
         }
-        let steps = self.welcome().steps;
+        let steps = self.welcome().steps.clone();
         samples::decode(&steps, report.period, report.samples, &bytes).map_err(|_| BoardError::Unexpected)
     }
 }

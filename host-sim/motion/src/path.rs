@@ -1,7 +1,8 @@
 //! The blocks that a controller gets: in the axes of a machine, in m and s.
 
-use shared::interpolate::block::Shape;
-use shared::interpolate::{Block, Joint, Ramps};
+use shared::interpolate::block::ShapeOf;
+use shared::interpolate::{Block, BlockOf, Joint, Ramps};
+use shared::link::message::PerAxis;
 
 /// Maximum number of axes of a path.
 pub const MAX_AXES: usize = 3;
@@ -72,17 +73,28 @@ impl PathBlock {
     /// The block for a machine of `N` axes; `None` if the number of coordinates differs.
     #[must_use]
     pub fn for_axes<const N: usize>(&self) -> Option<Block<N>> {
+        self.with_end(|to_m| to_m.try_into().ok())
+    }
+
+    /// The block as a board takes it; `None` for more coordinates than a board has axes.
+    #[must_use]
+    pub fn for_board(&self) -> Option<BlockOf<PerAxis<f64>>> {
+        self.with_end(|to_m| PerAxis::from_slice(to_m).ok())
+    }
+
+    /// The block with the end point of a line in another form.
+    fn with_end<P>(&self, end: impl FnOnce(&[f64]) -> Option<P>) -> Option<BlockOf<P>> {
         let shape = match &self.shape {
-            PathShape::Dwell { seconds } => Shape::Dwell { seconds: *seconds },
-            PathShape::Line { to_m } => Shape::Line { to_m: to_m.as_slice().try_into().ok()? },
+            PathShape::Dwell { seconds } => ShapeOf::Dwell { seconds: *seconds },
+            PathShape::Line { to_m } => ShapeOf::Line { to_m: end(to_m)? },
             PathShape::Arc { plane, centre_m, turns } => {
-                Shape::Arc { plane: *plane, centre_m: *centre_m, turns: *turns }
+                ShapeOf::Arc { plane: *plane, centre_m: *centre_m, turns: *turns }
             }
             PathShape::ArcTo { plane, centre_m, to_m, positive } => {
-                Shape::ArcTo { plane: *plane, centre_m: *centre_m, to_m: *to_m, positive: *positive }
+                ShapeOf::ArcTo { plane: *plane, centre_m: *centre_m, to_m: *to_m, positive: *positive }
             }
         };
-        Some(Block {
+        Some(BlockOf {
             shape,
             feed_m_per_s: self.feed_m_per_s,
             acceleration_m_per_s2: self.acceleration_m_per_s2,

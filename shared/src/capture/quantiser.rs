@@ -3,8 +3,6 @@
 //! A division by the step would take longer than everything else of a recording. The distance from the last recorded value is
 //! small, and is multiplied by the reciprocal of the step instead.
 
-use serde::{Deserialize, Serialize};
-
 use super::{CHANNELS, COMMAND, FORCE, MOTOR, NO_READING, Sample, TABLE};
 use crate::feedback::Reading;
 use crate::scalar::Scalar;
@@ -23,15 +21,13 @@ const COARSE: u32 = 12;
 const FORCE_FRACTION: u32 = 30;
 
 /// The steps of the recorded channels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ChannelSteps<const N: usize> {
     /// Step of the command, position units.
     pub command: i64,
     /// Step of each motor reading, position units: an encoder count.
-    #[serde(with = "steps")]
     pub motor: [i64; N],
     /// Step of each linear scale, position units: a count of the scale.
-    #[serde(with = "steps")]
     pub table: [i64; N],
     /// A step of the force is 2^−this, N; at most 14, the resolution of the fixed-point force.
     pub force_bits: u8,
@@ -157,21 +153,6 @@ impl<const N: usize> Quantisers<N> {
             values[FORCE] = force.distance().saturating_add(half) >> self.force_shift;
         }
         sample
-    }
-}
-
-/// Serialises the steps of N axes: serde implements arrays only up to 32, and not generically.
-mod steps {
-    use serde::de::Error;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    pub fn serialize<S: Serializer, const N: usize>(steps: &[i64; N], to: S) -> Result<S::Ok, S::Error> {
-        steps.iter().copied().collect::<heapless::Vec<i64, N>>().serialize(to)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>, const N: usize>(from: D) -> Result<[i64; N], D::Error> {
-        let steps = heapless::Vec::<i64, N>::deserialize(from)?;
-        steps.into_array().map_err(|_| D::Error::custom("expected a step for each axis"))
     }
 }
 

@@ -2,12 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
-/// One segment of a path. It starts at the end of the previous block.
+/// One segment of a path of `N` axes.
+pub type Block<const N: usize> = BlockOf<[f64; N]>;
+
+/// One segment of a path whose end points are of a type: an array of as many axes as the path has, or a list in a message. It starts at the
+/// end of the previous block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Block<const N: usize> {
+pub struct BlockOf<P> {
     /// Geometry.
-    #[serde(bound = "")]
-    pub shape: Shape<N>,
+    pub shape: ShapeOf<P>,
     /// Greatest speed along the path, m/s. Ignored by a dwell.
     pub feed_m_per_s: f64,
     /// Greatest acceleration, m/s²: on an arc, of the tangential and centripetal components together. Ignored by a dwell.
@@ -49,9 +52,12 @@ pub enum Joint {
     },
 }
 
-/// The geometry of a block.
+/// The geometry of a block of `N` axes.
+pub type Shape<const N: usize> = ShapeOf<[f64; N]>;
+
+/// The geometry of a block whose end points are of a type.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Shape<const N: usize> {
+pub enum ShapeOf<P> {
     /// Standstill.
     Dwell {
         /// Duration, s.
@@ -60,8 +66,7 @@ pub enum Shape<const N: usize> {
     /// Straight line to a point.
     Line {
         /// End point, m.
-        #[serde(with = "array")]
-        to_m: [f64; N],
+        to_m: P,
     },
     /// Circular arc by a number of turns.
     Arc {
@@ -89,13 +94,7 @@ impl<const N: usize> Block<N> {
     /// A straight line that starts and ends at rest.
     #[must_use]
     pub const fn line(to_m: [f64; N], feed_m_per_s: f64, acceleration_m_per_s2: f64) -> Self {
-        Self {
-            shape: Shape::Line { to_m },
-            feed_m_per_s,
-            acceleration_m_per_s2,
-            ramps: Ramps::Trapezoid,
-            joint: Joint::Stop,
-        }
+        Self::line_to(to_m, feed_m_per_s, acceleration_m_per_s2)
     }
 
     /// A circular arc that starts and ends at rest.
@@ -111,18 +110,6 @@ impl<const N: usize> Block<N> {
         Self { shape, feed_m_per_s, acceleration_m_per_s2, ramps: Ramps::Trapezoid, joint: Joint::Stop }
     }
 
-    /// A dwell, s.
-    #[must_use]
-    pub const fn dwell(seconds: f64) -> Self {
-        Self {
-            shape: Shape::Dwell { seconds },
-            feed_m_per_s: 0.0,
-            acceleration_m_per_s2: 0.0,
-            ramps: Ramps::Trapezoid,
-            joint: Joint::Stop,
-        }
-    }
-
     /// The block with other ramps.
     #[must_use]
     pub const fn with_ramps(self, ramps: Ramps) -> Self {
@@ -136,39 +123,61 @@ impl<const N: usize> Block<N> {
     }
 }
 
-/// Serialises an array of const length as a tuple: serde implements arrays only up to 32, and not generically.
-mod array {
-    use core::fmt;
-
-    use serde::de::{Error, SeqAccess, Visitor};
-    use serde::ser::SerializeTuple;
-    use serde::{Deserializer, Serializer};
-
-    pub fn serialize<S: Serializer, const N: usize>(array: &[f64; N], to: S) -> Result<S::Ok, S::Error> {
-        let mut tuple = to.serialize_tuple(N)?;
-        for element in array {
-            tuple.serialize_element(element)?;
+impl<P> BlockOf<P> {
+    /// A straight line to an end point in any form, from rest to rest.
+    #[must_use]
+    pub const fn line_to(to_m: P, feed_m_per_s: f64, acceleration_m_per_s2: f64) -> Self {
+        Self {
+            shape: ShapeOf::Line { to_m },
+            feed_m_per_s,
+            acceleration_m_per_s2,
+            ramps: Ramps::Trapezoid,
+            joint: Joint::Stop,
         }
-        tuple.end()
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>, const N: usize>(from: D) -> Result<[f64; N], D::Error> {
-        struct Elements<const N: usize>;
-        impl<'de, const N: usize> Visitor<'de> for Elements<N> {
-            type Value = [f64; N];
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                write!(f, "{N} numbers")
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<[f64; N], A::Error> {
-                let mut array = [0.0; N];
-                for (i, element) in array.iter_mut().enumerate() {
-                    *element = seq.next_element()?.ok_or_else(|| A::Error::invalid_length(i, &self))?;
-                }
-                Ok(array)
-            }
+    /// A dwell, s.
+    #[must_use]
+    pub const fn dwell(seconds: f64) -> Self {
+        Self {
+            shape: ShapeOf::Dwell { seconds },
+            feed_m_per_s: 0.0,
+            acceleration_m_per_s2: 0.0,
+            ramps: Ramps::Trapezoid,
+            joint: Joint::Stop,
         }
-        from.deserialize_tuple(N, Elements)
+    }
+
+    /// The block with its end point in another form.
+    pub fn map<Q>(self, end: impl FnOnce(P) -> Q) -> BlockOf<Q> {
+        let shape = match self.shape {
+            ShapeOf::Dwell { seconds } => ShapeOf::Dwell { seconds },
+            ShapeOf::Line { to_m } => ShapeOf::Line { to_m: end(to_m) },
+            ShapeOf::Arc { plane, centre_m, turns } => ShapeOf::Arc { plane, centre_m, turns },
+            ShapeOf::ArcTo { plane, centre_m, to_m, positive } => {
+                ShapeOf::ArcTo { plane, centre_m, to_m, positive }
+            }
+        };
+        let Self { feed_m_per_s, acceleration_m_per_s2, ramps, joint, .. } = self;
+        BlockOf { shape, feed_m_per_s, acceleration_m_per_s2, ramps, joint }
+    }
+}
+
+impl<P: AsRef<[f64]>> BlockOf<P> {
+    /// The block for a path of `N` axes; `None` if its end point has another number of them.
+    #[must_use]
+    pub fn of_axes<const N: usize>(&self) -> Option<Block<N>> {
+        let Self { feed_m_per_s, acceleration_m_per_s2, ramps, joint, .. } = *self;
+        let shape = match &self.shape {
+            ShapeOf::Dwell { seconds } => Shape::Dwell { seconds: *seconds },
+            ShapeOf::Line { to_m } => Shape::Line { to_m: to_m.as_ref().try_into().ok()? },
+            ShapeOf::Arc { plane, centre_m, turns } => {
+                Shape::Arc { plane: *plane, centre_m: *centre_m, turns: *turns }
+            }
+            ShapeOf::ArcTo { plane, centre_m, to_m, positive } => {
+                Shape::ArcTo { plane: *plane, centre_m: *centre_m, to_m: *to_m, positive: *positive }
+            }
+        };
+        Some(Block { shape, feed_m_per_s, acceleration_m_per_s2, ramps, joint })
     }
 }

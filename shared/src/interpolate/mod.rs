@@ -50,7 +50,7 @@ pub mod ramp;
 pub mod sincos;
 pub mod smooth;
 
-pub use block::{Block, Joint, Ramps};
+pub use block::{Block, BlockOf, Joint, Ramps};
 pub use error::{Field, PathError};
 pub use path::Path;
 pub use smooth::Smoothing;

@@ -6,7 +6,7 @@ pub use super::board_settings::BoardSettings;
 use super::halt::Halt;
 pub use super::history::HISTORY;
 use super::history::HistoryEntry;
-pub use super::packet::AXES;
+pub use super::packet::{MAX_AXES, PerAxis};
 use super::refusal::Refusal;
 use super::report::{CaptureReport, Status, Welcome};
 use super::stream::StreamPacket;
@@ -15,8 +15,8 @@ use crate::compensate::CompensationKind;
 use crate::drive::direction_check::DirectionCheckSettings;
 use crate::excitation::ExcitationSettings;
 use crate::homing::HardStopSettings;
-use crate::interpolate::Block;
 use crate::interpolate::following::FollowSettings;
+use crate::interpolate::{Block, BlockOf};
 use crate::probing::ProbeSettings;
 
 /// Length of the longest upload in bytes: a compensation with every table at its capacity has 7.7 kB.
@@ -113,7 +113,7 @@ pub enum Request {
     NewMotion,
     /// Appends a block to the motion. The whole motion is checked: each block, its travel and its speed, from the present
     /// command or the end of the block before.
-    AddBlock(Block<AXES>),
+    AddBlock(BlockOf<PerAxis<f64>>),
     /// Starts the motion.
     StartMotion {
         /// Number of blocks that it has to have.
@@ -210,6 +210,15 @@ impl Request {
             Self::Disable => Some(Halt::Disable),
             _ => None,
         }
+    }
+}
+
+impl Request {
+    /// [`Request::AddBlock`] of a block of `N` axes. More than [`MAX_AXES`] are an error of the compiler.
+    #[must_use]
+    pub fn add_block<const N: usize>(block: Block<N>) -> Self {
+        const { assert!(N <= MAX_AXES, "a board has 1 to 4 axes") };
+        Self::AddBlock(block.map(|to_m| to_m.into_iter().collect()))
     }
 }
 

@@ -7,6 +7,7 @@
 //! | [`packet`] | a message in bytes: version, session, sequence number, CRC-32, COBS |
 //! | [`receiver`] | bytes to packets; whatever cannot be one is counted by its kind |
 //! | [`message`], [`refusal`], [`report`] | requests and replies |
+//! | [`steps`] | the steps of the recorded channels in a message |
 //! | [`board_settings`], [`envelope`] | settings, and what they may not exceed |
 //! | [`feed_override`] | the override of a motion that runs |
 //! | [`session`] | which request is new, repeated, old or of another session |
@@ -45,6 +46,7 @@ pub mod report;
 pub mod server;
 pub mod session;
 pub mod settings_memory;
+pub mod steps;
 pub mod stream;
 pub mod two_ports;
 pub mod watch;

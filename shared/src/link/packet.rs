@@ -15,10 +15,13 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::{Deserialize, Serialize};
 
 /// Version of the packets and messages.
-pub const VERSION: u8 = 14;
+pub const VERSION: u8 = 15;
 
-/// Number of axes of the messages.
-pub const AXES: usize = 2;
+/// Greatest number of axes of a board. How many a board has is a constant of its program; its messages carry the number.
+pub const MAX_AXES: usize = 4;
+
+/// A value of each axis of a board, in a message: its number of axes is the length.
+pub type PerAxis<T> = heapless::Vec<T, MAX_AXES>;
 
 /// Greatest length of a message in postcard, bytes.
 pub const MAX_MESSAGE: usize = 480;

@@ -1,7 +1,6 @@
 //! What a board provides to the server.
 
 use super::hosted_drive::HostedDrive;
-use super::packet::AXES;
 use super::report::UsbState;
 use crate::scalar::Scalar;
 
@@ -36,14 +35,14 @@ impl<P: BytePort> BytePort for &mut P {
     }
 }
 
-/// Access to the drives, which the tick uses at any time.
-pub trait SharedDrive<'m, S: Scalar> {
+/// Access to the drives of `N` axes, which the tick uses at any time.
+pub trait SharedDrive<'m, S: Scalar, const N: usize> {
     /// Runs `access` while no tick runs. It has to be short: ticks wait for it.
-    fn with<R>(&mut self, access: impl FnOnce(&mut HostedDrive<'m, S, AXES>) -> R) -> R;
+    fn with<R>(&mut self, access: impl FnOnce(&mut HostedDrive<'m, S, N>) -> R) -> R;
 }
 
 /// Without ticks beside it: on a host.
-impl<'m, S: Scalar> SharedDrive<'m, S> for HostedDrive<'m, S, AXES> {
+impl<'m, S: Scalar, const N: usize> SharedDrive<'m, S, N> for HostedDrive<'m, S, N> {
     fn with<R>(&mut self, access: impl FnOnce(&mut Self) -> R) -> R {
         access(self)
     }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::board_settings::NotSettings;
 use super::halt::Halt;
 use super::report::HomingFailure;
 use crate::config::ConfigError;
@@ -67,6 +68,11 @@ pub enum Refusal {
     },
     /// There is no such axis.
     NoSuchAxis,
+    /// The board has another number of axes.
+    Axes {
+        /// Number of axes of the board.
+        board: u8,
+    },
     /// The enable switch does not permit an enable: it is open, or has to be opened and closed again.
     NotArmed,
     /// A fault has to be acknowledged first.
@@ -230,6 +236,15 @@ impl From<DirectionCheckError> for Refusal {
             DirectionCheckError::Setting("force_n") => DirectionProblem::Force,
             DirectionCheckError::Setting(_) => DirectionProblem::Setting,
         })
+    }
+}
+
+impl From<NotSettings> for Refusal {
+    fn from(error: NotSettings) -> Self {
+        match error {
+            NotSettings::Unreadable => Self::Upload(UploadError::Unreadable),
+            NotSettings::Axes { board } => Self::Axes { board },
+        }
     }
 }
 

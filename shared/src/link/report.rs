@@ -4,8 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::envelope::Envelope;
 use super::feed_override::FeedOverride;
-use super::packet::AXES;
+use super::packet::PerAxis;
 use super::receiver::LinkCounts;
+use super::steps::ListedSteps;
 use crate::capture::{CaptureState, ChannelSteps};
 use crate::config::Rates;
 use crate::drive::direction_check::DirectionResult;
@@ -37,9 +38,9 @@ impl Default for Times {
     }
 }
 
-/// What a board is: constants of its program.
+/// What a board of `N` axes is: constants of its program.
 #[derive(Clone, Copy, Debug)]
-pub struct Identity {
+pub struct Identity<const N: usize> {
     /// Name of the board.
     pub board: &'static str,
     /// Version of its program.
@@ -47,13 +48,13 @@ pub struct Identity {
     /// Tick rate, Hz.
     pub tick_hz: u32,
     /// Steps of the recorded channels.
-    pub steps: ChannelSteps<AXES>,
+    pub steps: ChannelSteps<N>,
     /// Times of the supervision.
     pub times: Times,
     /// How each axis is homed; `None`: it has no reference.
-    pub homing: [Option<HomingSettings>; AXES],
+    pub homing: [Option<HomingSettings>; N],
     /// What no settings may exceed.
-    pub envelope: &'static Envelope,
+    pub envelope: &'static Envelope<N>,
 }
 
 /// The reply to a hello, and to the question what the board is.
@@ -67,14 +68,12 @@ pub struct Welcome {
     pub software: heapless::String<16>,
     /// The sources of its program: [`SOURCES`](crate::SOURCES).
     pub sources: u64,
-    /// Number of axes.
-    pub axes: u8,
     /// Rates of the loops.
     pub rates: Rates,
     /// Times of the supervision.
     pub times: Times,
-    /// Steps of the recorded channels.
-    pub steps: ChannelSteps<AXES>,
+    /// Steps of the recorded channels, of as many axes as the board has.
+    pub steps: ListedSteps,
     /// Memory for a recording, bytes.
     pub capture_bytes: u32,
 }
@@ -277,7 +276,7 @@ pub struct Status {
     /// Blocks of the motion that have not been passed to the path yet.
     pub blocks_left: u16,
     /// Axes.
-    pub axes: [AxisStatus; AXES],
+    pub axes: PerAxis<AxisStatus>,
     /// Late and missed ticks.
     pub ticks: TickCounts,
     /// Supply, as far as the board measures it.

@@ -3,7 +3,6 @@
 use heapless::Deque;
 use serde::{Deserialize, Serialize};
 
-use super::packet::AXES;
 use crate::capture::{Encoder, Sample};
 
 /// Samples that wait to be sent. At 20 kHz they last 3.2 ms.
@@ -121,9 +120,9 @@ impl<const N: usize> StreamQueue<N> {
 impl StreamPacket {
     /// A packet of the samples that `next` returns (for the number that is expected, `None` for the first one), as many as fit;
     /// `None` without a sample.
-    pub fn fill(
+    pub fn fill<const N: usize>(
         period: u32,
-        mut next: impl FnMut(Option<u32>) -> Option<(u32, Sample<AXES>)>,
+        mut next: impl FnMut(Option<u32>) -> Option<(u32, Sample<N>)>,
     ) -> Option<Self> {
         let (first, mut sample) = next(None)?;
         let mut bytes = heapless::Vec::new();
@@ -147,6 +146,8 @@ impl StreamPacket {
 mod tests {
     use super::*;
     use crate::capture::Decoder;
+
+    const AXES: usize = 2;
 
     const fn sample(k: i64) -> Sample<AXES> {
         [[k; 4]; AXES]

@@ -98,7 +98,7 @@ impl<'r, A: BytePort, B: BytePort> TwoPorts<'r, A, B> {
 
     /// Takes what the port that is not selected has received, and answers at most one packet. To be called before each
     /// [`Server::poll`](super::Server::poll).
-    pub fn service<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S>) {
+    pub fn service<'m, S: Scalar, const N: usize>(&mut self, drive: &mut impl SharedDrive<'m, S, N>) {
         if !self.hello.is_empty() {
             return;
         }

@@ -319,7 +319,7 @@ fn the_version_is_that_of_the_stored_types() {
         AxisSettings, GainSchedule, Notch, Notches, Rates, ScaleLimits, SchedulePoint, ScheduledOver,
         Sensors, VelocitySource,
     };
-    use crate::link::message::UploadKind;
+    use crate::link::message::{BoardSettings, UploadKind};
     let axis = AxisSettings {
         sensors: Sensors::Dual { time_constant_s: 0.25, limits: ScaleLimits::DEFAULT },
         notches: Notches([Some(Notch { frequency_hz: 300.0, width_hz: 60.0, depth: 0.5 }), None, None, None]),
@@ -345,6 +345,7 @@ fn the_version_is_that_of_the_stored_types() {
     writer.message(&mut store, &rates).unwrap();
     writer.message(&mut store, &axis).unwrap();
     writer.message(&mut store, &compensation).unwrap();
+    writer.message(&mut store, &BoardSettings { rates, axes: [axis] }).unwrap();
     for kind in [UploadKind::Settings, UploadKind::Compensation { axis: 1 }] {
         writer.message(&mut store, &kind).unwrap();
     }
@@ -355,5 +356,5 @@ fn the_version_is_that_of_the_stored_types() {
     assert_eq!(reader.message::<CompensationSettings, _>(&mut store, &mut buffer), Ok(compensation));
     let header = &store.flash.bytes_mut()[..32];
     let checksum = u32::from_le_bytes([header[20], header[21], header[22], header[23]]);
-    assert_eq!((VERSION, checksum), (6, 0xa470_003c));
+    assert_eq!((VERSION, checksum), (7, 0xc792_f41b));
 }

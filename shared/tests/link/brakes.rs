@@ -17,7 +17,7 @@ const RELEASE: u32 = 1000;
 const ENGAGE: u32 = 600;
 
 /// y has a brake.
-fn braked() -> BoardSettings {
+fn braked() -> BoardSettings<2> {
     let mut settings = settings();
     let brake = Some(Brake { release_s: 0.05, engage_s: 0.03 });
     settings.axes[1] = AxisSettings { brake, preload_n: Some(30.0), ..settings.axes[1] };

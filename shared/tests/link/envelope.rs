@@ -71,13 +71,13 @@ fn state(rig: &mut Rig) -> Status {
     Status { tick: 0, link: Default::default(), ..rig.status() }
 }
 
-fn of_axis(axis: usize, change: impl Fn(&mut AxisSettings)) -> BoardSettings {
+fn of_axis(axis: usize, change: impl Fn(&mut AxisSettings)) -> BoardSettings<2> {
     let mut settings = settings();
     change(&mut settings.axes[axis]);
     settings
 }
 
-fn refusal_of(rig: &mut Rig, settings: &BoardSettings) -> (u8, String, SettingProblem) {
+fn refusal_of(rig: &mut Rig, settings: &BoardSettings<2>) -> (u8, String, SettingProblem) {
     match upload(rig, UploadKind::Settings, settings) {
         Reply::Refused(Refusal::Setting { axis, name, problem }) => (axis, name.to_string(), problem),
         reply => panic!("{reply:?}"),
@@ -174,7 +174,7 @@ fn the_limits_of_a_scale_in_the_loop_have_the_same_ceilings() {
 }
 
 /// A board whose y axis has no scale, and no ends.
-static WITHOUT_SCALE: Envelope = {
+static WITHOUT_SCALE: Envelope<2> = {
     let [x, y] = ENVELOPE.axes;
     Envelope { axes: [x, AxisEnvelope { scale_disagreement_limit_m: None, travel_m: None, ..y }], ..ENVELOPE }
 };

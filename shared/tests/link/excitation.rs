@@ -38,7 +38,7 @@ fn the_force_of_each_tick_is_that_of_the_tones() {
     for _ in 0..300 {
         rig.run(1);
         let tick = rig.drive.now() - 1;
-        let [x, y] = rig.drive.status(Default::default(), Default::default()).axes.map(|axis| axis.force_n);
+        let [x, y] = rig.axes().map(|axis| axis.force_n);
         assert!((f64::from(x) - tones.force(tick).value()).abs() < 1e-4, "{tick}: {x}");
         assert!(y.abs() < 1e-4);
     }

@@ -19,7 +19,7 @@ fn requests() -> Vec<Request> {
         Request::Enable,
         jog_by(0.01),
         jog_at(0.03),
-        Request::AddBlock(Block::line([0.05, 0.0], 0.03, 0.5)),
+        Request::add_block(Block::line([0.05, 0.0], 0.03, 0.5)),
         Request::StartMotion { blocks: 1 },
         Request::Resume,
         Request::Apply { kind: UploadKind::Settings, length: 0, checksum: 0 },

@@ -1,6 +1,7 @@
 //! The link of a servo board: a server with drives on a simulated plant, and a host that may be slow, silent, wrong or
 //! malicious.
 
+mod axes;
 mod brakes;
 mod direction;
 mod envelope;
@@ -48,7 +49,7 @@ fn jog_at(velocity_m_per_s: f64) -> Request {
 fn start(rig: &mut Rig, blocks: &[Block<2>]) {
     assert_eq!(rig.request(&Request::NewMotion), Reply::Done);
     for block in blocks {
-        assert_eq!(rig.request(&Request::AddBlock(*block)), Reply::Done);
+        assert_eq!(rig.request(&Request::add_block(*block)), Reply::Done);
     }
     let blocks = u16::try_from(blocks.len()).unwrap();
     assert_eq!(rig.request(&Request::StartMotion { blocks }), Reply::Done);

@@ -60,10 +60,10 @@ fn a_motion_beyond_the_travel_is_refused_before_it_starts() {
     let mut rig = Rig::enabled();
     assert_eq!(rig.request(&Request::NewMotion), Reply::Done);
     for x in [0.05, -0.05] {
-        assert_eq!(rig.request(&Request::AddBlock(Block::line([x, 0.0], 0.03, 0.5))), Reply::Done);
+        assert_eq!(rig.request(&Request::add_block(Block::line([x, 0.0], 0.03, 0.5))), Reply::Done);
     }
     let error = PathError::BeyondTravel { axis: 1 };
-    let out = Request::AddBlock(Block::line([0.0, 0.101], 0.03, 0.5));
+    let out = Request::add_block(Block::line([0.0, 0.101], 0.03, 0.5));
     assert_eq!(rig.refusal(&out), Refusal::Path { block: 2, error });
     assert_eq!(rig.refusal(&Request::StartMotion { blocks: 3 }), Refusal::BlockCount { found: 2 });
     rig.run(2000);
@@ -75,7 +75,7 @@ fn a_motion_beyond_the_travel_is_refused_before_it_starts() {
 fn a_motion_that_is_too_fast_is_refused_before_it_starts() {
     let mut rig = Rig::enabled();
     assert_eq!(rig.request(&Request::NewMotion), Reply::Done);
-    let add = |rig: &mut Rig, block| rig.request(&Request::AddBlock(block));
+    let add = |rig: &mut Rig, block| rig.request(&Request::add_block(block));
     let limit_m_per_s = 0.9 * 0.15;
     let too_fast = |block, axis| Reply::Refused(Refusal::TooFast { block, axis, limit_m_per_s });
     assert_eq!(add(&mut rig, Block::line([0.0, 0.05], 0.136, 0.5)), too_fast(0, 1));
@@ -91,7 +91,7 @@ fn a_motion_that_is_too_fast_is_refused_before_it_starts() {
 fn the_greatest_speed_of_an_axis_is_allowed() {
     let mut rig = Rig::enabled();
     assert_eq!(rig.request(&Request::NewMotion), Reply::Done);
-    let mut add = |to_m, feed: f64| rig.request(&Request::AddBlock(Block::line(to_m, feed, 0.5)));
+    let mut add = |to_m, feed: f64| rig.request(&Request::add_block(Block::line(to_m, feed, 0.5)));
     let limit_m_per_s: f64 = 0.9 * 0.15;
     assert_eq!(add([0.0, 0.03125], limit_m_per_s), Reply::Done);
     let refused = Reply::Refused(Refusal::TooFast { block: 1, axis: 1, limit_m_per_s });
@@ -103,7 +103,7 @@ fn the_greatest_speed_of_an_axis_is_allowed() {
 }
 
 /// A board whose axes have no ends.
-static ENDLESS: Envelope = {
+static ENDLESS: Envelope<2> = {
     let [x, y] = ENVELOPE.axes;
     let axes = [AxisEnvelope { travel_m: None, ..x }, AxisEnvelope { travel_m: None, ..y }];
     Envelope { axes, ..ENVELOPE }
@@ -131,10 +131,10 @@ fn a_motion_longer_than_the_board_holds_is_refused() {
     assert_eq!(rig.request(&Request::NewMotion), Reply::Done);
     for k in 0..MOTION_BLOCKS {
         let x = if k.is_multiple_of(2) { 0.01 } else { 0.0 };
-        assert_eq!(rig.request(&Request::AddBlock(Block::line([x, 0.0], 0.1, 2.0))), Reply::Done);
+        assert_eq!(rig.request(&Request::add_block(Block::line([x, 0.0], 0.1, 2.0))), Reply::Done);
     }
     let full = Refusal::MotionFull { max: 64 };
-    assert_eq!(rig.refusal(&Request::AddBlock(Block::line([0.02, 0.0], 0.1, 2.0))), full);
+    assert_eq!(rig.refusal(&Request::add_block(Block::line([0.02, 0.0], 0.1, 2.0))), full);
     assert_eq!(rig.request(&Request::StartMotion { blocks: 64 }), Reply::Done);
     finish(&mut rig);
     assert!(is_at(&rig, [0.0, 0.0]));
@@ -145,7 +145,7 @@ fn nothing_starts_with_the_drives_off_or_while_something_moves() {
     let mut rig = Rig::new();
     assert_eq!(rig.refusal(&jog_by(1e-3)), Refusal::DrivesOff);
     assert_eq!(rig.request(&Request::NewMotion), Reply::Done);
-    assert_eq!(rig.request(&Request::AddBlock(Block::line([0.01, 0.0], 0.03, 0.5))), Reply::Done);
+    assert_eq!(rig.request(&Request::add_block(Block::line([0.01, 0.0], 0.03, 0.5))), Reply::Done);
     assert_eq!(rig.refusal(&Request::StartMotion { blocks: 1 }), Refusal::DrivesOff);
     rig.close_switch();
     assert_eq!(rig.request(&Request::Enable), Reply::Done);

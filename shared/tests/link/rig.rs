@@ -13,6 +13,7 @@ use shared::drive::{
 use shared::feedback::Reading;
 use shared::link::message::{BoardSettings, FromBoard, Reply, Request};
 use shared::link::packet::{self, Frame, Header};
+use shared::link::report::AxisStatus;
 use shared::link::stream::StreamPacket;
 use shared::link::{
     BytePort, Envelope, HostedDrive, Identity, Receiver, Refusal, Server, SettingsMemory, Status, Times,
@@ -40,7 +41,7 @@ pub const BOARD: u32 = 0x4051_0002;
 /// The two slots of the flash.
 pub const SLOTS: Slots = Slots { starts: [0, SLOT], length: SLOT };
 /// What a board tells of itself.
-pub const IDENTITY: Identity = Identity {
+pub const IDENTITY: Identity<2> = Identity {
     board: "test board",
     software: "0",
     tick_hz: TICK_HZ,
@@ -51,7 +52,7 @@ pub const IDENTITY: Identity = Identity {
 };
 
 /// Generous ceilings, beyond what the tests upload.
-pub static ENVELOPE: Envelope = Envelope {
+pub static ENVELOPE: Envelope<2> = Envelope {
     axes: [AxisEnvelope {
         travel_m: Some([-0.15, 0.15]),
         fastest_m_per_s: 0.3,
@@ -72,7 +73,7 @@ pub type Memory = MemoryFlash<8192, 1024, 4>;
 const FULL_COUNTS: u16 = 8400;
 const FULL_N: f64 = 400.0;
 
-pub fn settings() -> BoardSettings {
+pub fn settings() -> BoardSettings<2> {
     let axis = AxisSettings {
         position_gain_per_s: 25.0,
         feedforward_percent: 100.0,
@@ -232,7 +233,7 @@ impl BytePort for Line {
 
 pub struct Rig<F = Memory> {
     pub memory: SettingsMemory<F>,
-    pub server: Box<Server>,
+    pub server: Box<Server<2>>,
     pub drive: HostedDrive<'static, Fixed, 2>,
     pub plant: TestPlant,
     pub line: Line,
@@ -252,7 +253,7 @@ impl Rig {
     }
 
     /// A rig with an identity and settings of its own.
-    pub fn of(identity: &Identity, settings: BoardSettings) -> Self {
+    pub fn of(identity: &Identity<2>, settings: BoardSettings<2>) -> Self {
         Self::assembled(Memory::erased(), None, identity, settings)
     }
 
@@ -278,8 +279,8 @@ impl<F: NorFlash> Rig<F> {
     fn assembled(
         flash: F,
         previous_fault: Option<Fault>,
-        identity: &Identity,
-        settings: BoardSettings,
+        identity: &Identity<2>,
+        settings: BoardSettings<2>,
     ) -> Self {
         let settings = identity.envelope.admit(settings).unwrap();
         let machine = Box::leak(Box::new(
@@ -356,6 +357,11 @@ impl<F: NorFlash> Rig<F> {
             Reply::Refused(refusal) => refusal,
             reply => panic!("{reply:?}"),
         }
+    }
+
+    /// The state of both axes.
+    pub fn axes(&self) -> [AxisStatus; 2] {
+        self.drive.status(Default::default(), Default::default()).axes.into_array().unwrap()
     }
 
     pub fn status(&mut self) -> Status {

@@ -17,7 +17,7 @@ use super::rig::{BOARD, Memory, Rig, SLOT, SLOTS, settings};
 use super::uploads::{bytes_of, upload};
 
 /// Settings that differ from those of the program: the axes lag behind the command.
-pub fn slower(position_gain_per_s: f64) -> BoardSettings {
+pub fn slower(position_gain_per_s: f64) -> BoardSettings<2> {
     let mut settings = settings();
     settings.axes = settings.axes.map(|mut axis| {
         (axis.position_gain_per_s, axis.travel_m) = (position_gain_per_s, Some([-0.02, 0.02]));
@@ -38,14 +38,14 @@ fn compensation(axis: u8) -> CompensationSettings {
     }
 }
 
-fn upload_all<F: NorFlash>(rig: &mut Rig<F>, settings: &BoardSettings) {
+fn upload_all<F: NorFlash>(rig: &mut Rig<F>, settings: &BoardSettings<2>) {
     assert_eq!(upload(rig, UploadKind::Settings, settings), Reply::Done);
     for axis in [0, 1] {
         assert_eq!(upload(rig, UploadKind::Compensation { axis }, &compensation(axis)), Reply::Done);
     }
 }
 
-pub fn save_all<F: NorFlash>(rig: &mut Rig<F>, settings: &BoardSettings) {
+pub fn save_all<F: NorFlash>(rig: &mut Rig<F>, settings: &BoardSettings<2>) {
     assert_eq!(rig.request(&Request::BeginSave), Reply::Done);
     upload_all(rig, settings);
     assert_eq!(rig.request(&Request::Save), Reply::Done);
@@ -85,7 +85,7 @@ fn trace_of_a_jog<F: NorFlash>(rig: &mut Rig<F>) -> Vec<Sample> {
         for _ in 0..5000 {
             rig.run(1);
             let status = rig.status();
-            let [x, y] = status.axes;
+            let [x, y] = status.axes.into_array().unwrap();
             trace.push((
                 [x.command, x.motor, y.command, y.motor].map(|position| position.0),
                 [x.force_n, y.force_n].map(f32::to_bits),
@@ -212,9 +212,9 @@ fn an_incomplete_record_is_not_saved() {
 #[test]
 fn a_save_loses_the_references() {
     let mut rig = Rig::new();
-    assert_eq!(rig.status().axes.map(|axis| axis.homed), [true; 2]);
+    assert_eq!(rig.axes().map(|axis| axis.homed), [true; 2]);
     assert_eq!(rig.request(&Request::BeginSave), Reply::Done);
-    assert_eq!(rig.status().axes.map(|axis| axis.homed), [false; 2]);
+    assert_eq!(rig.axes().map(|axis| axis.homed), [false; 2]);
 }
 
 /// Neither record can be read: the settings of the program, and a fault that has to be acknowledged before an enable.

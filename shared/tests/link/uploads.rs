@@ -33,7 +33,7 @@ pub fn upload<F: NorFlash>(rig: &mut Rig<F>, kind: UploadKind, contents: &impl S
     rig.request(&apply)
 }
 
-fn changed(change: impl Fn(&mut BoardSettings)) -> BoardSettings {
+fn changed(change: impl Fn(&mut BoardSettings<2>)) -> BoardSettings<2> {
     let mut settings = settings();
     change(&mut settings);
     settings
@@ -190,9 +190,9 @@ fn an_upload_leaves_each_axis_as_homed_as_it_was() {
         let mut rig = Rig::new();
         rig.drive.machine_mut().lose_reference(not_homed);
         let expected = [0, 1].map(|axis| axis != not_homed);
-        assert_eq!(rig.status().axes.map(|axis| axis.homed), expected);
+        assert_eq!(rig.axes().map(|axis| axis.homed), expected);
         assert_eq!(upload(&mut rig, UploadKind::Settings, &settings()), Reply::Done);
-        assert_eq!(rig.status().axes.map(|axis| axis.homed), expected);
+        assert_eq!(rig.axes().map(|axis| axis.homed), expected);
     }
 }
 

@@ -1,4 +1,4 @@
-//! Instructions of a tick on the emulated core and of its parts: `cargo cost` prints the same table.
+//! Instructions of a tick on the emulated core and of its parts: `cargo cost` and `cargo cost-four` print the same table.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,15 +10,19 @@ use tests::tables;
 /// A row of the table: part, format, median, maximum.
 type Row = (String, String, u32, u32);
 
-static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| {
+static TABLE: LazyLock<Vec<Row>> =
+    LazyLock::new(|| ["cost", "cost-four"].into_iter().flat_map(printed).collect());
+
+/// The rows that a program of this alias prints.
+fn printed(alias: &str) -> Vec<Row> {
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let output =
-        Command::new(env!("CARGO")).args(["cost", "--quiet"]).current_dir(workspace).output().unwrap();
+        Command::new(env!("CARGO")).args([alias, "--quiet"]).current_dir(workspace).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8(output.stdout).unwrap();
     print!("{text}");
     text.lines().filter_map(row).collect()
-});
+}
 
 /// The row of a line. Its last four columns have one word each; those of the header are not numbers.
 fn row(line: &str) -> Option<Row> {
@@ -85,6 +89,20 @@ fn a_tick_of_the_board_has_the_loops_or_the_path_or_the_corrections() {
         assert!(position.1 <= at_once.0 - path.0, "{position:?} of {at_once:?}");
         let loops = velocity + 2 * of("position loop of an axis").0;
         assert!(position.0 > loops, "{position:?}, the loops {loops}");
+    }
+}
+
+/// Four axes cost at most twice as much as two, and their worst tick is within half of the 8400 cycles of the board's chip, as an instruction
+/// may take two of them.
+#[test]
+fn the_tick_of_four_axes_is_within_that_of_twice_two() {
+    for (four, two) in [
+        ("board of four axes, all on", "board, all on"),
+        ("board of four axes, position tick", "board, all, position tick"),
+    ] {
+        let (four, two) = (cost(four, "fixed"), cost(two, "fixed"));
+        assert!(four.0 > two.0 && four.0 <= 2 * two.0 && four.1 <= 2 * two.1, "{four:?}, {two:?}");
+        assert!(four.1 <= 8400 / 2, "{four:?}");
     }
 }
 

@@ -1,6 +1,7 @@
 //! The programs of the chip: their instructions, stack and registers, and runs on an emulated core or board.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod board_axes;
 mod board_boot;
 mod cost;
 mod fault_table;

@@ -61,20 +61,22 @@ fn the_ticks_of_the_emulated_core_cannot_panic() {
     }
 }
 
-/// The tick of the emulated servo board: the simulated machine, the loops, the supervision of the host, recording and stream.
+/// The tick of the emulated servo board of two axes and of four: the simulated machine, the loops, the supervision of the host, recording and stream.
 #[test]
 fn the_tick_of_the_servo_board_cannot_panic() {
     /// The exception of the system timer.
     const SYSTEM_TIMER: usize = 15;
-    let image = program("servo");
-    let tick = Vectors::read(&image, 0).handler(SYSTEM_TIMER);
-    assert_panic_free(&image, &walk(&image, &[tick]), 5, 2500);
+    for name in ["servo", "servo-four"] {
+        let image = program(name);
+        let tick = Vectors::read(&image, 0).handler(SYSTEM_TIMER);
+        assert_panic_free(&image, &walk(&image, &[tick]), 5, 2500);
+    }
 }
 
 /// The figures for people are in the programs of both boards, and the tick reaches none of their functions.
 #[test]
 fn no_tick_reaches_the_figures_for_people() {
-    for (name, base, exception) in [("board", FLASH, TICK), ("servo", 0, 15)] {
+    for (name, base, exception) in [("board", FLASH, TICK), ("servo", 0, 15), ("servo-four", 0, 15)] {
         let image = program(name);
         let is_figure = |name: &str| {
             ["7figures11square_root", "7figures9logarithm", "7figures9phase_deg", "micromath"]

@@ -21,8 +21,8 @@ use files::output::write_whole;
 use model::axis::Settings;
 use model::effects::{EffectModel, TorqueRipple};
 use model::machine::Machine;
-use shared::interpolate::{Block, PathError};
-use shared::link::message::AXES;
+use shared::interpolate::{BlockOf, PathError};
+use shared::link::message::PerAxis;
 use shared::link::refusal::Refusal;
 
 /// Speed of the way to the start of the passes, m/s.
@@ -94,7 +94,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         [Output::File("--out", Some(&arguments.out)), Output::File("--json", arguments.json.as_ref())];
     check_outputs(&inputs, &outputs)?;
     let known = Known::read(arguments)?;
-    let mut client = arguments.axis.port.connect()?;
+    let mut client = arguments.axis.connect()?;
     let tick_hz = client.welcome().rates.velocity_loop_hz;
     record::check_ticks(&known.machine, &known.source, tick_hz)?;
     let decimation = record::decimation(&known.machine, &known.source, tick_hz)?;
@@ -108,7 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     consent::ask(&consequence(arguments, &plan), arguments.yes)?;
     let samples = measure(&mut client, arguments, (axis, &plan), decimation)?;
     let pairs = passes::pairs(&samples, &plan, arguments.passes, (sample_s, known.declared.force_limit_n))?;
-    let steps = client.welcome().steps;
+    let steps = &client.welcome().steps;
     let force_step_n = 1.0 / f64::from(1u32 << steps.force_bits.min(14));
     let learned = Learned::of(&pairs, &plan, &known.declared, force_step_n);
     let board = client.welcome().board.to_string();
@@ -221,11 +221,11 @@ fn measure(
     stop::write_partial_result();
     client.enable()?;
     stop::check_before_motion()?;
-    let at_m = client.status()?.axes.map(|axis| axis.command.to_m());
+    let at_m: PerAxis<f64> = client.status()?.axes.iter().map(|axis| axis.command.to_m()).collect();
     let line = |to_mm: f64, m_per_s: f64| {
-        let mut to_m = at_m;
+        let mut to_m = at_m.clone();
         to_m[axis] = 1e-3 * to_mm;
-        Block::<AXES>::line(to_m, m_per_s, ACCELERATION_M_PER_S2)
+        BlockOf::line_to(to_m, m_per_s, ACCELERATION_M_PER_S2)
     };
     let [from_mm, to_mm] = plan.travel_mm;
     let m_per_s = 1e-3 * plan.speed_mm_per_s;
@@ -233,14 +233,14 @@ fn measure(
     if (at_m[axis] - 1e-3 * from_mm).abs() > record::AT_START_M {
         blocks.push(line(from_mm, APPROACH_M_PER_S));
     }
-    blocks.push(Block::dwell(DWELL_S));
+    blocks.push(BlockOf::dwell(DWELL_S));
     for _ in 0..arguments.passes {
         blocks.extend([line(to_mm, m_per_s), line(from_mm, m_per_s)]);
     }
     client.send_motion(&blocks).map_err(refused)?;
     let progress = Progress::start();
     let samples = record::run_and_stream(client, blocks.len(), decimation, &progress)?;
-    let of_axis = |sample: &[::board::samples::AxisSample; AXES]| Sample {
+    let of_axis = |sample: &PerAxis<::board::samples::AxisSample>| Sample {
         command_m: sample[axis].command_m,
         motor_m: sample[axis].motor_m,
         force_n: sample[axis].force_n,

@@ -9,6 +9,8 @@ use ::board::bench::{Bench, END};
 /// What is done at the machine.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Action {
+    /// Start the emulator with four axes instead of two: the axes z and u are as y.
+    StartFour,
     /// Close the enable switch.
     CloseSwitch,
     /// Open the enable switch.
@@ -75,7 +77,23 @@ pub struct Arguments {
 /// # Errors
 /// An emulator that cannot be started.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let (byte, done) = match arguments.action {
+    let Some((byte, done)) = operation(arguments.action) else {
+        Bench::start_four()?;
+        return print("The emulated board runs with four axes.");
+    };
+    if byte != END || Bench::is_running() {
+        Bench::start()?.operate(byte)?;
+    }
+    if matches!(arguments.action, Action::EraseFlash) {
+        Bench::erase_flash()?;
+    }
+    print(done)
+}
+
+/// The byte for a machine that runs, and what it has done; `None` for the start of one.
+const fn operation(action: Action) -> Option<(u8, &'static str)> {
+    Some(match action {
+        Action::StartFour => return None,
         Action::CloseSwitch => (b'c', "The enable switch is closed."),
         Action::OpenSwitch => (b'o', "The enable switch is open."),
         Action::PressStop => (b'e', "The emergency stop is pressed."),
@@ -102,12 +120,5 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Action::HoldOffTicks => (b'i', "The ticks were held off for two periods."),
         Action::End => (END, "The emulator has ended."),
         Action::EraseFlash => (END, "The emulator has ended, and its flash is erased."),
-    };
-    if byte != END || Bench::is_running() {
-        Bench::start()?.operate(byte)?;
-    }
-    if matches!(arguments.action, Action::EraseFlash) {
-        Bench::erase_flash()?;
-    }
-    print(done)
+    })
 }

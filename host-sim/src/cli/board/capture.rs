@@ -1,4 +1,4 @@
-//! `lost-motion board capture`: every tick of both axes, from the memory of the board.
+//! `lost-motion board capture`: every tick of all axes, from the memory of the board.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ use files::error::InputError;
 use files::log::{AxisLog, Channel, Log, Unit, write_rows};
 use shared::capture::{CaptureState, Trigger};
 use shared::link::Request;
-use shared::link::message::AXES;
+use shared::link::message::PerAxis;
 
 /// Arguments of `board capture`.
 #[derive(clap::Args)]
@@ -139,7 +139,7 @@ fn read(client: &mut Client, out: &Path) -> Result<()> {
 }
 
 /// Writes a log. The scales are left out if a signal was missing. Returns whether they are in it.
-pub fn write_log(out: &Path, sample_time_s: f64, samples: &[[AxisSample; AXES]]) -> Result<bool> {
+pub fn write_log(out: &Path, sample_time_s: f64, samples: &[PerAxis<AxisSample>]) -> Result<bool> {
     let has_scale = samples.iter().flatten().all(|axis| axis.table_m.is_some());
     let axis = |name: &&str| {
         let mut axis = AxisLog::new(*name, Unit::Millimetre);
@@ -150,7 +150,8 @@ pub fn write_log(out: &Path, sample_time_s: f64, samples: &[[AxisSample; AXES]])
         }
         axis
     };
-    let head = Log::new("board", 0.0, sample_time_s, AXIS_NAMES.iter().map(axis));
+    let axes = samples.first().map_or(0, |sample| sample.len());
+    let head = Log::new("board", 0.0, sample_time_s, AXIS_NAMES.iter().take(axes).map(axis));
     write_rows(out, &head, |rows| {
         for sample in samples {
             rows.row(sample.iter().flat_map(|axis| {

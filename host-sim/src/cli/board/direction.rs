@@ -14,7 +14,6 @@ use files::error::InputError;
 use shared::drive::direction_check::{
     DirectionCheck, DirectionCheckError, DirectionCheckSettings, DirectionResult,
 };
-use shared::link::message::AXES;
 use shared::link::refusal::DirectionProblem;
 use shared::link::report::DirectionReport;
 use shared::link::{Refusal, Request};
@@ -51,7 +50,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let axis = arguments.axis.number()?;
     let settings = settings(arguments)?;
-    let mut client = arguments.axis.port.connect()?;
+    let mut client = arguments.axis.connect()?;
     stop::write_partial_result();
     client.command(&Request::CheckDirection { axis, settings }).map_err(|error| refused(error, arguments))?;
     if arguments.no_wait {
@@ -75,7 +74,7 @@ fn settings(arguments: &Arguments) -> Result<DirectionCheckSettings, InputError>
     check_value("--force-n", FORCES, force_n > 0.0 && force_n.is_finite(), force_n)?;
     let settings = DirectionCheckSettings { force_n, time_s, detect_m: 1e-3 * distance_mm };
     // The check of the board itself: neither axis nor tick rate matters to it.
-    let problem = match DirectionCheck::<AXES>::new(0, &settings, 1.0) {
+    let problem = match DirectionCheck::<1>::new(0, &settings, 1.0) {
         Err(DirectionCheckError::Setting(name)) => Some(name),
         _ => None,
     };

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 
-use super::port::{AxisArguments, axis_number, check_value};
+use super::port::{AxisArguments, axis_number, check_axis, check_value};
 use crate::cli::outputs::print;
 use crate::cli::stop;
 use files::error::InputError;
@@ -99,7 +99,10 @@ fn settings(arguments: &Arguments, axis: u8) -> Result<FollowSettings, InputErro
 pub fn run(arguments: &Arguments) -> Result<()> {
     let axis = arguments.axis.number()?;
     let settings = settings(arguments, axis)?;
-    let mut client = arguments.axis.port.connect()?;
+    let mut client = arguments.axis.connect()?;
+    if let Some(counter) = &arguments.counter {
+        check_axis(&client, "--counter", counter)?;
+    }
     stop::write_partial_result();
     client.enable()?;
     stop::check_before_motion()?;

@@ -106,7 +106,7 @@ fn refused(error: BoardError, arguments: &Arguments) -> anyhow::Error {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let axis = arguments.axis.number()?;
     let request = request(arguments, axis)?;
-    let mut client = arguments.axis.port.connect()?;
+    let mut client = arguments.axis.connect()?;
     stop::write_partial_result();
     client.enable()?;
     stop::check_before_motion()?;

@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         check_value("--for-s", &expected, seconds > 0.0 && seconds <= MAX_S, seconds)?;
     }
     let duration = arguments.for_s.map(Duration::from_secs_f64);
-    let mut client = arguments.axis.port.connect()?;
+    let mut client = arguments.axis.connect()?;
     stop::write_partial_result();
     client.enable()?;
     stop::check_before_motion()?;

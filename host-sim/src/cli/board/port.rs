@@ -109,16 +109,39 @@ impl AxisArguments {
     /// The number of the axis.
     ///
     /// # Errors
-    /// If the board has no such axis.
+    /// If no board has such an axis.
     pub fn number(&self) -> Result<u8, InputError> {
         axis_number("--axis", &self.axis)
     }
+
+    /// Opens a session with the board, which has to have the axis.
+    ///
+    /// # Errors
+    /// As [`PortArguments::connect`]; a board without the axis.
+    pub fn connect(&self) -> Result<Client> {
+        let client = self.port.connect()?;
+        check_axis(&client, "--axis", &self.axis)?;
+        Ok(client)
+    }
+}
+
+/// The board has to have the axis that an option names.
+///
+/// # Errors
+/// If it has no such axis.
+pub fn check_axis(client: &Client, option: &str, name: &str) -> Result<(), InputError> {
+    let names = &board::refusal::AXIS_NAMES[..client.axes()];
+    if names.contains(&name) {
+        return Ok(());
+    }
+    let expected = format!("{} (the axes of the board)", names.join(" or "));
+    Err(InputError::expected(option, expected, files::error::quoted(name)))
 }
 
 /// The number of the axis that an option names.
 ///
 /// # Errors
-/// If the board has no such axis.
+/// If no board has such an axis.
 pub fn axis_number(option: &str, name: &str) -> Result<u8, InputError> {
     let names = board::refusal::AXIS_NAMES;
     let number = names.iter().position(|known| *known == name).and_then(|number| u8::try_from(number).ok());

@@ -3,18 +3,18 @@
 use commissioning::compensate::CompensationFile;
 use model::effects::Effect;
 use model::machine::{Axis, Machine};
-use shared::link::message::BoardSettings;
+use shared::config::AxisSettings;
 
 /// Completes the settings by the constant loads that are known, of the machine file or else of the compensation. Returns a sentence for
 /// each, with the names of the files.
 pub fn complete(
-    settings: &mut BoardSettings,
+    settings: &mut [AxisSettings],
     machine: &Machine,
     source: &str,
     compensation: Option<(&CompensationFile, &str)>,
 ) -> Vec<String> {
     let mut sentences = Vec::new();
-    for ((name, axis), settings) in machine.axis.iter().zip(&mut settings.axes) {
+    for ((name, axis), settings) in machine.axis.iter().zip(settings) {
         let declared = declared_n(axis).map(|n| (n, source));
         let known = declared.or_else(|| {
             let (file, source) = compensation?;
@@ -52,7 +52,6 @@ fn compensated_n(file: &CompensationFile, name: &str) -> Option<f64> {
 mod tests {
     use super::*;
     use shared::compensate::settings::{ForceModel, Points};
-    use shared::config::{AxisSettings, Rates};
 
     fn machine(keys: &str) -> Machine {
         let text = format!(
@@ -77,10 +76,9 @@ mod tests {
         file: Option<&CompensationFile>,
     ) -> ([Option<f64>; 2], Vec<String>) {
         let axis = AxisSettings { preload_n: declared_n, ..AxisSettings::default() };
-        let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 5 };
-        let mut settings = BoardSettings { rates, axes: [AxisSettings::default(), axis] };
+        let mut settings = [AxisSettings::default(), axis];
         let sentences = complete(&mut settings, &machine(keys), "m.toml", file.map(|file| (file, "c.toml")));
-        (settings.axes.map(|axis| axis.preload_n), sentences)
+        (settings.map(|axis| axis.preload_n), sentences)
     }
 
     const LOADS: &str = "[[axis.y.effect]]\nname = \"constant_load\"\nforce_n = 140.0\n\

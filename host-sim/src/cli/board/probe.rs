@@ -92,7 +92,7 @@ fn describe(touch: &Touch, speed_m_per_s: f64, rates: &Rates) -> String {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let axis = arguments.axis.number()?;
     let settings = settings(arguments)?;
-    let mut client = arguments.axis.port.connect()?;
+    let mut client = arguments.axis.connect()?;
     stop::write_partial_result();
     client.enable()?;
     stop::check_before_motion()?;

@@ -19,9 +19,9 @@ use files::format::significant;
 use model::machine::Machine;
 use motion::{Motion, PathBlock};
 use plant::machine_path::MachinePath;
-use shared::interpolate::{Block, PathError};
+use shared::interpolate::{BlockOf, PathError};
 use shared::link::halt::Halt;
-use shared::link::message::{AXES, MOTION_BLOCKS, Request};
+use shared::link::message::{MAX_AXES, MOTION_BLOCKS, PerAxis, Request};
 use shared::link::refusal::Refusal;
 
 /// The machine file of the emulated board.
@@ -77,15 +77,16 @@ pub struct Recording<'a> {
 /// written.
 pub fn run(recording: &Recording<'_>) -> Result<()> {
     let Recording { machine, motion, motion_file, .. } = *recording;
-    // The same check as for an upload: two axes with the keys of a controller.
+    // The same check as for an upload: axes of a board with the keys of a controller.
     upload::settings(machine, recording.machine_file)?;
     let path = MachinePath::new(motion, machine, motion_file)?;
-    let blocks: Vec<Block<AXES>> = path.blocks.iter().filter_map(PathBlock::for_axes).collect();
+    let blocks: Vec<BlockOf<PerAxis<f64>>> = path.blocks.iter().filter_map(PathBlock::for_board).collect();
     if blocks.len() > MOTION_BLOCKS {
         let expected = format!("at most {MOTION_BLOCKS} blocks, which the board holds");
         return Err(InputError::expected(motion_file, expected, blocks.len()).at_key("block").into());
     }
     let mut client = connect(recording.port, recording.timeout_s)?;
+    upload::check_axis_count(machine, recording.machine_file, &client)?;
     let tick_hz = client.welcome().rates.velocity_loop_hz;
     check_ticks(machine, recording.machine_file, tick_hz)?;
     let decimation = decimation(machine, recording.machine_file, tick_hz)?;
@@ -153,18 +154,18 @@ pub(super) fn decimation(machine: &Machine, machine_file: &str, tick_hz: f64) ->
 /// Moves to the start of the motion. Returns a sentence about it, empty if the axes are there.
 fn approach(client: &mut Client, start_m: &[f64], motion_file: &str) -> Result<String> {
     let status = client.status()?;
-    let mut to_m = [0.0; AXES];
-    to_m.copy_from_slice(start_m);
-    let away = status.axes.iter().zip(to_m).any(|(axis, to)| (axis.command.to_m() - to).abs() > AT_START_M);
+    let away =
+        status.axes.iter().zip(start_m).any(|(axis, to)| (axis.command.to_m() - to).abs() > AT_START_M);
     if !away {
         return Ok(String::new());
     }
-    let line = Block::line(to_m, APPROACH_M_PER_S, APPROACH_M_PER_S2);
+    let to_m: PerAxis<f64> = start_m.iter().copied().take(MAX_AXES).collect();
+    let line = BlockOf::line_to(to_m, APPROACH_M_PER_S, APPROACH_M_PER_S2);
     let sent = client.send_motion(&[line]);
     sent.map_err(|error| refused_at(error, motion_file, |_| "start_mm".to_owned()))?;
     client.start_motion(1)?;
     super::simple::wait(client).or_else(|error| discard_if_held(client, error))?;
-    Ok(format!(" The axes were moved to its start first ({}).", place(&to_m)))
+    Ok(format!(" The axes were moved to its start first ({}).", place(start_m)))
 }
 
 /// Runs the motion that was sent, and collects the samples from its start to its end.
@@ -173,8 +174,8 @@ pub(super) fn run_and_stream(
     blocks: usize,
     decimation: u32,
     progress: &Progress,
-) -> Result<Vec<[AxisSample; AXES]>> {
-    let steps = client.welcome().steps;
+) -> Result<Vec<PerAxis<AxisSample>>> {
+    let steps = client.welcome().steps.clone();
     let tick_hz = client.welcome().rates.velocity_loop_hz;
     client.command(&Request::Stream { decimation })?;
     // Sending the blocks takes time.
@@ -247,12 +248,13 @@ fn refused_at(error: BoardError, motion_file: &str, key: impl Fn(u16) -> String)
 }
 
 /// A table of following error and force.
-fn summary(samples: &[[AxisSample; AXES]]) -> String {
+fn summary(samples: &[PerAxis<AxisSample>]) -> String {
     let mut lines = vec![
         format!("{:<6}{:>28}{:>24}", "axis", "following error µm", "force N"),
         format!("{:<6}{:>14}{:>14}{:>12}{:>12}", "", "rms", "greatest", "rms", "greatest"),
     ];
-    for (axis, name) in AXIS_NAMES.iter().enumerate() {
+    let axes = samples.first().map_or(0, |sample| sample.len());
+    for (axis, name) in AXIS_NAMES.iter().enumerate().take(axes) {
         let of = |value: fn(&AxisSample) -> f64| {
             let squares: f64 = samples.iter().map(|sample| value(&sample[axis]).powi(2)).sum();
             let greatest = samples.iter().map(|sample| value(&sample[axis]).abs()).fold(0.0, f64::max);

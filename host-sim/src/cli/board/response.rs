@@ -18,6 +18,7 @@ use commissioning::response::file::{Conditions, ControllerKeys};
 use commissioning::response::tones::Range;
 use commissioning::response::{Plan, PlanError, Point, Record, ResponseFile, spectrum, text};
 use files::error::InputError;
+use model::machine::Machine;
 use plant::instruments::Instruments;
 use shared::capture::{CaptureState, Trigger};
 use shared::config::{AxisSettings, Rates};
@@ -79,7 +80,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let inputs: Vec<_> = arguments.machine.iter().map(PathBuf::as_path).collect();
     check_outputs(&inputs, &[Output::File("--out", arguments.out.as_ref())])?;
     let declared = Declared::read(arguments, axis)?;
-    let mut client = arguments.axis.port.connect()?;
+    let mut client = arguments.axis.connect()?;
+    declared.check_axis_count(&client)?;
     let tick_hz = client.welcome().rates.velocity_loop_hz;
     let range = Range {
         from_hz: arguments.from_hz,
@@ -153,6 +155,8 @@ fn consequence(arguments: &Arguments) -> String {
 
 /// What a machine file says of the axis.
 struct Declared {
+    machine: Machine,
+    source: String,
     settings: AxisSettings,
     controller: ControllerKeys,
     rates: Rates,
@@ -170,10 +174,17 @@ impl Declared {
         let (_, keys) = machine.axis.get_index(usize::from(axis)).ok_or_else(lacks)?;
         Ok(Self {
             controller: (&keys.settings).into(),
-            settings: settings.axes.get(usize::from(axis)).copied().ok_or_else(lacks)?,
-            rates: settings.rates,
+            settings: settings.get(usize::from(axis)).copied().ok_or_else(lacks)?,
+            rates: machine.rates(),
             margins: margins.into_iter().nth(usize::from(axis)).ok_or_else(lacks)?,
+            machine,
+            source,
         })
+    }
+
+    /// The machine has to have as many axes as the board.
+    fn check_axis_count(&self, client: &Client) -> Result<(), InputError> {
+        upload::check_axis_count(&self.machine, &self.source, client)
     }
 }
 

@@ -43,8 +43,10 @@ fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
     let mut lines = vec![
         format!("{}, version {}", welcome.board, welcome.software),
         format!(
-            "{} axes, {} ticks per second, a position command every {} ticks",
-            welcome.axes, welcome.rates.velocity_loop_hz, welcome.rates.position_loop_divider
+            "{}, {} ticks per second, a position command every {} ticks",
+            axes(welcome.steps.axes.len()),
+            welcome.rates.velocity_loop_hz,
+            welcome.rates.position_loop_divider
         ),
         format!(
             "host silent: path held after {} s, drives off after {} s; a jog at a speed ends after {} s",
@@ -91,6 +93,11 @@ fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
         link.packets, link.too_long, link.too_short, link.encoding, link.checksum, link.version
     ));
     lines
+}
+
+/// The number of axes in words.
+fn axes(count: usize) -> String {
+    if count == 1 { "1 axis".to_owned() } else { format!("{count} axes") }
 }
 
 /// What an axis that follows a counter does.

@@ -16,7 +16,8 @@ use files::error::{InputError, quoted};
 use model::machine::Machine;
 use model::servo::{self, ServoParameters};
 use shared::config::AxisSettings;
-use shared::link::message::{AXES, BoardSettings, Request, UploadKind};
+use shared::link::board_settings::UploadedSettings;
+use shared::link::message::{MAX_AXES, Request, UploadKind};
 use shared::link::refusal::Refusal;
 
 /// Arguments of `board upload`.
@@ -55,9 +56,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let file = compensation.as_ref().map(|(file, source)| (file, source.as_str()));
     let preloads = preload::complete(&mut settings, &machine, &source, file);
     let mut client = arguments.port.connect()?;
+    check_axis_count(&machine, &source, &client)?;
     if arguments.save {
         client.begin_save()?;
     }
+    let settings = UploadedSettings { rates: machine.rates(), axes: &settings };
     client.upload(UploadKind::Settings, &settings).map_err(|error| refused(error, &source))?;
     let mut done = format!("The board has the settings of {source}");
     if let Some((file, source)) = &compensation {
@@ -71,11 +74,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     print(&[vec![format!("{done}.")], preloads].concat().join("\n"))
 }
 
-/// The settings of the board from a machine file.
+/// The settings of the axes from a machine file.
 ///
 /// # Errors
-/// A machine with other axes than the board, a key that is missing.
-pub fn settings(machine: &Machine, source: &str) -> Result<BoardSettings, InputError> {
+/// A machine with axes that no board has, a key that is missing.
+pub fn settings(machine: &Machine, source: &str) -> Result<Vec<AxisSettings>, InputError> {
     check_axes(machine, source)?;
     let axes = machine.axis.iter().map(|(name, axis)| {
         servo::settings(&axis.settings, &ServoParameters::of(&axis.effect)).map_err(|key| {
@@ -83,19 +86,33 @@ pub fn settings(machine: &Machine, source: &str) -> Result<BoardSettings, InputE
                 .at_key(&format!("axis.{name}.{key}"))
         })
     });
-    let axes: Vec<AxisSettings> = axes.collect::<Result<_, _>>()?;
-    let count = axes.len();
-    let axes: [AxisSettings; AXES] = axes.try_into().map_err(|_| {
-        InputError::expected(source, format!("{AXES} axes, as the board has"), count).at_key("axis")
-    })?;
-    Ok(BoardSettings { rates: machine.rates(), axes })
+    axes.collect()
+}
+
+/// A machine file is for a board with as many axes.
+///
+/// # Errors
+/// A board with another number of axes.
+pub fn check_axis_count(machine: &Machine, source: &str, client: &Client) -> Result<(), InputError> {
+    let (count, board) = (machine.axis.len(), client.axes());
+    if count == board {
+        return Ok(());
+    }
+    let plural = if board == 1 { "axis" } else { "axes" };
+    let expected = format!("{board} {plural}, as the board has ({})", AXIS_NAMES[..board].join(", "));
+    Err(InputError::expected(source, expected, count).at_key("axis"))
 }
 
 /// The axes have to be those of the board, in its order: it knows them by their numbers.
 fn check_axes(machine: &Machine, source: &str) -> Result<(), InputError> {
+    if machine.axis.len() > MAX_AXES {
+        let expected = format!("1 to {MAX_AXES} axes, as a board has");
+        return Err(InputError::expected(source, expected, machine.axis.len()).at_key("axis"));
+    }
     for (name, known) in machine.axis.keys().zip(AXIS_NAMES) {
         if name != known {
-            let expected = format!("axis {known} here (the board has {})", AXIS_NAMES.join(", "));
+            let expected =
+                format!("axis {known} here (a board has {}, in this order)", AXIS_NAMES.join(", "));
             let error = InputError::expected(source, expected, quoted(name));
             return Err(error.at_key(&format!("axis.{name}")));
         }
@@ -125,8 +142,8 @@ fn refused(error: BoardError, source: &str) -> anyhow::Error {
         BoardError::Refused(Refusal::Setting { .. } | Refusal::TickRate { .. }) => {
             InputError::new(source, error.to_string()).into()
         }
-        BoardError::Refused(Refusal::NoSuchAxis) => {
-            InputError::expected(source, format!("{AXES} axes"), quoted("more")).into()
+        BoardError::Refused(Refusal::NoSuchAxis | Refusal::Axes { .. }) => {
+            InputError::new(source, error.to_string()).at_key("axis").into()
         }
         _ => error.into(),
     }

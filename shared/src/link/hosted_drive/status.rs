@@ -2,18 +2,17 @@
 
 use super::HostedDrive;
 use crate::homing::HomingStatus;
-use crate::link::packet::AXES;
+use crate::link::packet::MAX_AXES;
 use crate::link::receiver::LinkCounts;
 use crate::link::report::{AxisStatus, DirectionReport, HomingReport, SettingsReport, Status, UsbState};
 use crate::machine::Reference;
 use crate::scalar::Scalar;
 
-impl<S: Scalar> HostedDrive<'_, S, AXES> {
+impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
     /// The state, with what the server knows beside it; without the USB port.
     #[must_use]
     pub fn status(&self, link: LinkCounts, settings: SettingsReport) -> Status {
         let machine = self.machine();
-        let command = machine.command();
         Status {
             tick: self.tick,
             power: machine.power(),
@@ -25,18 +24,7 @@ impl<S: Scalar> HostedDrive<'_, S, AXES> {
             rate_percent: machine.rate_percent(),
             at_rest: self.is_at_rest().is_ok(),
             blocks_left: self.blocks_left,
-            axes: core::array::from_fn(|axis| AxisStatus {
-                command: command[axis],
-                motor: self.readings[axis].motor,
-                table: self.readings[axis].table,
-                #[expect(clippy::cast_possible_truncation, reason = "for display")]
-                force_n: self.forces[axis].value() as f32,
-                homed: machine.reference(axis) == Some(Reference::Homed),
-                signals: self.system.inputs().axes[axis].signals.map(|signals| signals.figures()),
-                rms: self.rms_meter.axis(axis),
-                counter: self.system.inputs().axes[axis].counter,
-                lag: machine.following_lag(axis),
-            }),
+            axes: (0..N.min(MAX_AXES)).map(|axis| self.axis_status(axis)).collect(),
             ticks: self.system.tick_counts(),
             supply: self.system.supply(),
             homing: match self.system.homing_status() {
@@ -56,6 +44,24 @@ impl<S: Scalar> HostedDrive<'_, S, AXES> {
             settings,
             link,
             usb: UsbState::None,
+        }
+    }
+
+    /// The state of an axis of the board.
+    fn axis_status(&self, axis: usize) -> AxisStatus {
+        let machine = self.machine();
+        let inputs = &self.system.inputs().axes[axis];
+        AxisStatus {
+            command: machine.command()[axis],
+            motor: self.readings[axis].motor,
+            table: self.readings[axis].table,
+            #[expect(clippy::cast_possible_truncation, reason = "for display")]
+            force_n: self.forces[axis].value() as f32,
+            homed: machine.reference(axis) == Some(Reference::Homed),
+            signals: inputs.signals.map(|signals| signals.figures()),
+            rms: self.rms_meter.axis(axis),
+            counter: inputs.counter,
+            lag: machine.following_lag(axis),
         }
     }
 }

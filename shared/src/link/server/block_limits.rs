@@ -1,6 +1,6 @@
 //! How fast the axes are in a block, and the greatest feed override that it permits.
 
-use super::super::message::{AXES, BoardSettings};
+use super::super::message::BoardSettings;
 use crate::interpolate::Block;
 use crate::interpolate::block::Shape;
 use crate::interpolate::feed_hold::MOST_PERCENT;
@@ -13,7 +13,11 @@ pub(super) const SPEED_SHARE: f64 = 0.9;
 ///
 /// At r times its speed no axis is faster than a motion may be, and the accelerations of the block, which are r² times the planned ones, are
 /// at most the declared deceleration of a stop. A block that is planned with more than that is not accelerated further.
-pub(super) fn most_percent(block: &Block<AXES>, start: [Position; AXES], settings: &BoardSettings) -> u8 {
+pub(super) fn most_percent<const N: usize>(
+    block: &Block<N>,
+    start: [Position; N],
+    settings: &BoardSettings<N>,
+) -> u8 {
     let mut rate = f64::from(MOST_PERCENT) / 100.0;
     for (axis, speed) in settings.axes.iter().zip(axis_speeds(block, start)) {
         let acceleration = axis.stop_deceleration_m_per_s2 / block.acceleration_m_per_s2;
@@ -28,8 +32,8 @@ pub(super) fn most_percent(block: &Block<AXES>, start: [Position; AXES], setting
 }
 
 /// The greatest speed of each axis in a block that starts at a position, m/s.
-pub(super) fn axis_speeds(block: &Block<AXES>, start: [Position; AXES]) -> [f64; AXES] {
-    let mut speeds = [0.0; AXES];
+pub(super) fn axis_speeds<const N: usize>(block: &Block<N>, start: [Position; N]) -> [f64; N] {
+    let mut speeds = [0.0; N];
     match block.shape {
         Shape::Dwell { .. } => {}
         Shape::Line { to_m } => {

@@ -9,13 +9,13 @@ use crate::scalar::Scalar;
 /// The name of the limit of the envelope.
 const LIMIT: &str = "excitation_limit_n";
 
-impl ServerState {
+impl<const N: usize> ServerState<N> {
     /// Checks a force and starts it.
     #[inline(never)]
     pub(super) fn excite<'m, S: Scalar>(
         &self,
         settings: &ExcitationSettings,
-        drive: &mut impl SharedDrive<'m, S>,
+        drive: &mut impl SharedDrive<'m, S, N>,
     ) -> Result<(), Refusal> {
         let ExcitationSettings { axis, force_n, .. } = *settings;
         let envelope = self.identity.envelope.axes.get(usize::from(axis)).ok_or(Refusal::NoSuchAxis)?;

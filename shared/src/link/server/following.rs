@@ -7,14 +7,14 @@ use super::state::ServerState;
 use crate::interpolate::following::FollowSettings;
 use crate::scalar::Scalar;
 
-impl ServerState {
+impl<const N: usize> ServerState<N> {
     /// Checks the speed against that of the axis, which is within the envelope, and starts to follow.
     #[inline(never)]
     pub(super) fn follow<'m, S: Scalar>(
         &self,
         axis: u8,
         following: &FollowSettings,
-        drive: &mut impl SharedDrive<'m, S>,
+        drive: &mut impl SharedDrive<'m, S, N>,
     ) -> Result<(), Refusal> {
         let settings = self.settings.axes.get(usize::from(axis)).ok_or(Refusal::NoSuchAxis)?;
         if let Some(limit_m_per_s) = settings.fastest_m_per_s.map(|fastest| SPEED_SHARE * fastest)

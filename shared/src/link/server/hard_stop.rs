@@ -10,14 +10,14 @@ use crate::scalar::Scalar;
 /// time in which the force rises.
 const SHARE: f64 = 0.5;
 
-impl ServerState {
+impl<const N: usize> ServerState<N> {
     /// Checks a homing to a hard stop against the monitors of the axis, and starts it. The force limit of the axis is within the envelope.
     #[inline(never)]
     pub(super) fn home_to_stop<'m, S: Scalar>(
         &self,
         axis: u8,
         stop: &HardStopSettings,
-        drive: &mut impl SharedDrive<'m, S>,
+        drive: &mut impl SharedDrive<'m, S, N>,
     ) -> Result<(), Refusal> {
         let settings = self.settings.axes.get(usize::from(axis)).ok_or(Refusal::NoSuchAxis)?;
         stop.check().map_err(|error: HomingError| Refusal::Homing(error.into()))?;

@@ -19,7 +19,7 @@ mod waiting;
 
 use super::HostedDrive;
 use super::envelope::AdmittedSettings;
-use super::message::{AXES, FromBoard, Reply, Request};
+use super::message::{FromBoard, MAX_AXES, Reply, Request};
 use super::packet::{self, Frame, Header, Packet, PacketError, VERSION};
 use super::port::{BytePort, SharedDrive};
 use super::receiver::{LinkCounts, Receiver};
@@ -35,28 +35,26 @@ use saving::begin_save;
 use state::{Access, Motion, ServerState, Upload};
 use waiting::Waiting;
 
-/// Number of axes, for messages.
-#[expect(clippy::cast_possible_truncation, reason = "2")]
-const AXIS_COUNT: u8 = AXES as u8;
-
 /// Greatest number of bytes that are taken in one call.
 const BYTES_PER_POLL: usize = 64;
 
-/// The server of one host. It is large: a static on a chip.
+/// The server of one host, on a board of `N` axes. It is large: a static on a chip.
 #[derive(Debug)]
-pub struct Server {
+pub struct Server<const N: usize> {
     receiver: Receiver,
-    state: ServerState,
+    state: ServerState<N>,
     waiting: Waiting,
     /// Bytes that wait to be sent, and how many of them have been.
     out: Frame,
     sent: usize,
 }
 
-impl Server {
-    /// Without a session. `settings` are those that the machine is configured with.
+impl<const N: usize> Server<N> {
+    /// Without a session. `settings` are those that the machine is configured with. A board has 1 to [`MAX_AXES`] axes: another number is
+    /// an error of the compiler.
     #[must_use]
-    pub const fn new(identity: Identity, settings: AdmittedSettings) -> Self {
+    pub const fn new(identity: Identity<N>, settings: AdmittedSettings<N>) -> Self {
+        const { assert!(N >= 1 && N <= MAX_AXES, "a board has 1 to 4 axes") };
         Self {
             receiver: Receiver::NEW,
             state: ServerState {
@@ -82,7 +80,7 @@ impl Server {
     /// ended the previous run; the settings of the program remain then.
     pub fn load<'m, S: Scalar, F: NorFlash>(
         &mut self,
-        drive: &mut impl SharedDrive<'m, S>,
+        drive: &mut impl SharedDrive<'m, S, N>,
         memory: &mut SettingsMemory<F>,
         previous_fault: Option<Fault>,
     ) {
@@ -100,7 +98,7 @@ impl Server {
     pub fn poll<'m, S: Scalar, F: NorFlash>(
         &mut self,
         port: &mut impl BytePort,
-        drive: &mut impl SharedDrive<'m, S>,
+        drive: &mut impl SharedDrive<'m, S, N>,
         memory: &mut SettingsMemory<F>,
     ) {
         self.state.usb = port.usb();
@@ -130,7 +128,7 @@ impl Server {
     }
 
     /// Answers what has waited until the reply before it was sent: halts, then a request.
-    fn take_waiting<'m, S: Scalar, D: SharedDrive<'m, S>, F: NorFlash>(
+    fn take_waiting<'m, S: Scalar, D: SharedDrive<'m, S, N>, F: NorFlash>(
         &mut self,
         access: &mut Access<'_, D, F>,
     ) {
@@ -159,9 +157,9 @@ impl Server {
     }
 }
 
-impl ServerState {
+impl<const N: usize> ServerState<N> {
     /// Answers what was received. Bytes that are no packet are only counted: they may be noise.
-    fn receive<'m, S: Scalar, D: SharedDrive<'m, S>, F: NorFlash>(
+    fn receive<'m, S: Scalar, D: SharedDrive<'m, S, N>, F: NorFlash>(
         &mut self,
         received: Result<Packet<'_>, PacketError>,
         counts: LinkCounts,
@@ -216,7 +214,7 @@ impl ServerState {
         &mut self,
         nonce: u32,
         sequence: u32,
-        drive: &mut impl SharedDrive<'m, S>,
+        drive: &mut impl SharedDrive<'m, S, N>,
         out: &mut Frame,
     ) {
         let now = drive.with(|drive| {
@@ -231,22 +229,21 @@ impl ServerState {
 
     /// What the board is.
     #[inline(never)]
-    fn welcome<'m, S: Scalar>(&self, session: u32, drive: &mut impl SharedDrive<'m, S>) -> Reply {
+    fn welcome<'m, S: Scalar>(&self, session: u32, drive: &mut impl SharedDrive<'m, S, N>) -> Reply {
         let capture_bytes = drive.with(|drive| drive.capture().capacity());
         Reply::Welcome(Welcome {
             session,
             board: text(self.identity.board),
             software: text(self.identity.software),
             sources: SOURCES,
-            axes: AXIS_COUNT,
             rates: self.settings.rates,
             times: self.identity.times,
-            steps: self.identity.steps,
+            steps: (&self.identity.steps).into(),
             capture_bytes: u32::try_from(capture_bytes).unwrap_or(u32::MAX),
         })
     }
 
-    fn execute<'m, S: Scalar, D: SharedDrive<'m, S>, F: NorFlash>(
+    fn execute<'m, S: Scalar, D: SharedDrive<'m, S, N>, F: NorFlash>(
         &mut self,
         request: &Request,
         counts: LinkCounts,
@@ -272,7 +269,7 @@ impl ServerState {
         &mut self,
         request: &Request,
         counts: LinkCounts,
-        drive: &mut impl SharedDrive<'m, S>,
+        drive: &mut impl SharedDrive<'m, S, N>,
     ) -> Reply {
         if let Some(reply) = self.look(request, counts, drive) {
             return reply;

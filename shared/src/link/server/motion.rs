@@ -1,33 +1,33 @@
 //! Motions and jogs.
 
 use super::super::HostedDrive;
-use super::super::message::{AXES, Jog};
+use super::super::message::{Jog, PerAxis};
 use super::super::port::SharedDrive;
 use super::super::refusal::Refusal;
 use super::super::report::Activity;
 use super::block_limits::{SPEED_SHARE, axis_speeds, most_percent};
 use super::state::{Motion, ServerState};
 use crate::interpolate::feed_hold::MOST_PERCENT;
-use crate::interpolate::{Block, PathError};
+use crate::interpolate::{Block, BlockOf, PathError};
 use crate::scalar::Scalar;
 use crate::units::{Position, TRAVEL_LIMIT_M};
 
 /// Attempts to append a block while the path goes on to its next block.
 const ATTEMPTS: usize = 4;
 
-impl Motion {
+impl<const N: usize> Motion<N> {
     /// Plans a block on a copy of the queue and passes it to the path, with `and_then` in the same access. A relative block also
     /// moves axes that are not homed.
     fn append<'m, S: Scalar>(
         &mut self,
-        block: &Block<AXES>,
+        block: &Block<N>,
         relative: bool,
-        drive: &mut impl SharedDrive<'m, S>,
-        and_then: impl Fn(&mut HostedDrive<'m, S, AXES>),
+        drive: &mut impl SharedDrive<'m, S, N>,
+        and_then: impl Fn(&mut HostedDrive<'m, S, N>),
     ) -> Result<(), PathError> {
         for _ in 0..ATTEMPTS {
             let not_homed = drive.with(|drive| drive.machine().copy_queue(&mut self.plan))?;
-            let not_homed = if relative { [false; AXES] } else { not_homed };
+            let not_homed = if relative { [false; N] } else { not_homed };
             self.plan.push_holding(block, &not_homed)?;
             let adopted: Result<bool, PathError> = drive.with(|drive| {
                 let adopted = drive.machine_mut().adopt_queue(&self.plan)?;
@@ -44,11 +44,11 @@ impl Motion {
     }
 }
 
-impl ServerState {
+impl<const N: usize> ServerState<N> {
     /// Discards the blocks. The next motion starts from the present command.
     pub(super) fn new_motion<'m, S: Scalar>(
         &mut self,
-        drive: &mut impl SharedDrive<'m, S>,
+        drive: &mut impl SharedDrive<'m, S, N>,
     ) -> Result<(), Refusal> {
         let start = drive.with(|drive| drive.is_at_rest().map(|()| drive.machine().command()))?;
         self.motion.blocks.clear();
@@ -60,9 +60,11 @@ impl ServerState {
     /// Checks a block behind the previous ones and keeps it.
     pub(super) fn add_block<'m, S: Scalar>(
         &mut self,
-        block: &Block<AXES>,
-        drive: &mut impl SharedDrive<'m, S>,
+        block: &BlockOf<PerAxis<f64>>,
+        drive: &mut impl SharedDrive<'m, S, N>,
     ) -> Result<(), Refusal> {
+        let board = u8::try_from(N).unwrap_or(u8::MAX);
+        let block = &block.of_axes().ok_or(Refusal::Axes { board })?;
         let number = u16::try_from(self.motion.blocks.len()).unwrap_or(u16::MAX);
         if self.motion.blocks.is_full() {
             return Err(Refusal::MotionFull { max: number });
@@ -86,7 +88,7 @@ impl ServerState {
     }
 
     /// Refuses a block in which an axis is as fast as a motor can be.
-    fn check_speed(&self, block: &Block<AXES>, number: u16) -> Result<(), Refusal> {
+    fn check_speed(&self, block: &Block<N>, number: u16) -> Result<(), Refusal> {
         let speeds = axis_speeds(block, self.motion.end);
         for ((axis, settings), speed) in (0..).zip(&self.settings.axes).zip(speeds) {
             let limit_m_per_s =
@@ -103,7 +105,7 @@ impl ServerState {
     pub(super) fn start_motion<'m, S: Scalar>(
         &mut self,
         blocks: u16,
-        drive: &mut impl SharedDrive<'m, S>,
+        drive: &mut impl SharedDrive<'m, S, N>,
     ) -> Result<(), Refusal> {
         let found = u16::try_from(self.motion.blocks.len()).unwrap_or(u16::MAX);
         if blocks != found || found == 0 {
@@ -121,7 +123,7 @@ impl ServerState {
     }
 
     /// Passes the next block of a motion that runs to the path.
-    pub(super) fn feed_motion<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S>) {
+    pub(super) fn feed_motion<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S, N>) {
         let left = drive.with(|drive| {
             let runs = drive.activity() == Activity::Motion && drive.machine().has_room();
             if runs { drive.blocks_left() } else { 0 }
@@ -140,7 +142,7 @@ impl ServerState {
     pub(super) fn home<'m, S: Scalar>(
         &mut self,
         axis: u8,
-        drive: &mut impl SharedDrive<'m, S>,
+        drive: &mut impl SharedDrive<'m, S, N>,
     ) -> Result<(), Refusal> {
         let settings = self.identity.homing.get(usize::from(axis)).ok_or(Refusal::NoSuchAxis)?;
         let settings = settings.as_ref().ok_or(Refusal::NotAvailable)?;
@@ -148,7 +150,7 @@ impl ServerState {
     }
 
     /// Plans the next motion of a homing or a probing that waits for it.
-    pub(super) fn feed_legs<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S>) {
+    pub(super) fn feed_legs<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S, N>) {
         let Some(leg) = drive.with(|drive| drive.leg()) else { return };
         let planned = self.motion.append(&leg, true, drive, |_| {});
         drive.with(|drive| drive.leg_planned(planned));
@@ -158,7 +160,7 @@ impl ServerState {
     pub(super) fn jog<'m, S: Scalar>(
         &mut self,
         jog: &Jog,
-        drive: &mut impl SharedDrive<'m, S>,
+        drive: &mut impl SharedDrive<'m, S, N>,
     ) -> Result<(), Refusal> {
         let at_speed = jog.distance_m.is_none();
         if at_speed && self.motion.jog == Some(*jog) && drive.with(HostedDrive::renew_jog) {
@@ -182,7 +184,7 @@ impl ServerState {
         self.check_speed(&block, 0)?;
         let permitted = most_percent(&block, start, &self.settings);
         let refused = |error| Refusal::Path { block: 0, error };
-        let and_then = |drive: &mut HostedDrive<'m, S, AXES>| drive.start_jog(at_speed, permitted);
+        let and_then = |drive: &mut HostedDrive<'m, S, N>| drive.start_jog(at_speed, permitted);
         self.motion.append(&block, true, drive, and_then).map_err(refused)?;
         self.motion.jog = at_speed.then_some(*jog);
         Ok(())

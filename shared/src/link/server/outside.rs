@@ -23,7 +23,7 @@ use super::state::ServerState;
 use crate::scalar::Scalar;
 
 // Not inlined: their messages are not on the stack while a compensation is converted.
-impl ServerState {
+impl<const N: usize> ServerState<N> {
     /// Answers a request that was refused as one of the session.
     #[inline(never)]
     pub(super) fn execute_outside<'m, S: Scalar>(
@@ -31,7 +31,7 @@ impl ServerState {
         request: &Request,
         (header, refusal): (Header, Refusal),
         counts: LinkCounts,
-        drive: &mut impl SharedDrive<'m, S>,
+        drive: &mut impl SharedDrive<'m, S, N>,
     ) -> Reply {
         if let Some(halt) = request.halt() {
             self.halt_outside(halt, header, drive);
@@ -52,7 +52,7 @@ impl ServerState {
     pub(super) fn halt_at_once<'m, S: Scalar>(
         &mut self,
         packet: &Packet<'_>,
-        drive: &mut impl SharedDrive<'m, S>,
+        drive: &mut impl SharedDrive<'m, S, N>,
     ) -> bool {
         let halt = packet::message::<Request>(packet.message).ok().and_then(|request| request.halt());
         let Some(halt) = halt else { return false };
@@ -71,7 +71,12 @@ impl ServerState {
         true
     }
 
-    fn halt_outside<'m, S: Scalar>(&self, halt: Halt, header: Header, drive: &mut impl SharedDrive<'m, S>) {
+    fn halt_outside<'m, S: Scalar>(
+        &self,
+        halt: Halt,
+        header: Header,
+        drive: &mut impl SharedDrive<'m, S, N>,
+    ) {
         // A host that has lost count is still the host.
         let is_host = self.session.is_present(header);
         drive.with(|drive| if is_host { drive.halt(halt) } else { drive.halt_from_outside(halt) });
@@ -83,7 +88,7 @@ impl ServerState {
         &self,
         request: &Request,
         counts: LinkCounts,
-        drive: &mut impl SharedDrive<'m, S>,
+        drive: &mut impl SharedDrive<'m, S, N>,
     ) -> Option<Reply> {
         Some(match request {
             Request::Status => {

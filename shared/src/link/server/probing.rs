@@ -7,14 +7,14 @@ use super::state::ServerState;
 use crate::probing::ProbeSettings;
 use crate::scalar::Scalar;
 
-impl ServerState {
+impl<const N: usize> ServerState<N> {
     /// Checks the speed and the distance of a probing against the settings of the axis, which are within the envelope, and starts it.
     #[inline(never)]
     pub(super) fn probe<'m, S: Scalar>(
         &self,
         axis: u8,
         probing: &ProbeSettings,
-        drive: &mut impl SharedDrive<'m, S>,
+        drive: &mut impl SharedDrive<'m, S, N>,
     ) -> Result<(), Refusal> {
         let settings = self.settings.axes.get(usize::from(axis)).ok_or(Refusal::NoSuchAxis)?;
         probing.check().map_err(Refusal::Probe)?;

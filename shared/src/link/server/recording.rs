@@ -1,7 +1,7 @@
 //! Recordings and the stream.
 
 use super::super::HostedDrive;
-use super::super::message::{AXES, FromBoard, READ, Reply};
+use super::super::message::{FromBoard, READ, Reply};
 use super::super::packet::{self, Frame, Header};
 use super::super::port::SharedDrive;
 use super::super::refusal::Refusal;
@@ -18,7 +18,7 @@ const SAMPLES_PER_PACKET: usize = 24;
 /// Part of a second after which a packet with fewer samples is sent.
 const PACKETS_PER_SECOND: u32 = 50;
 
-pub(super) fn report(capture: &CaptureMemory<'_, AXES>) -> CaptureReport {
+pub(super) fn report<const N: usize>(capture: &CaptureMemory<'_, N>) -> CaptureReport {
     CaptureReport {
         state: capture.state(),
         samples: capture.samples(),
@@ -28,7 +28,10 @@ pub(super) fn report(capture: &CaptureMemory<'_, AXES>) -> CaptureReport {
     }
 }
 
-pub(super) fn read<'m, S: Scalar>(drive: &mut impl SharedDrive<'m, S>, offset: u32) -> Reply {
+pub(super) fn read<'m, S: Scalar, const N: usize>(
+    drive: &mut impl SharedDrive<'m, S, N>,
+    offset: u32,
+) -> Reply {
     let offset = usize::try_from(offset).unwrap_or(usize::MAX);
     drive.with(|drive| {
         let capture = drive.capture();
@@ -40,8 +43,8 @@ pub(super) fn read<'m, S: Scalar>(drive: &mut impl SharedDrive<'m, S>, offset: u
     })
 }
 
-pub(super) fn arm<'m, S: Scalar>(
-    drive: &mut impl SharedDrive<'m, S>,
+pub(super) fn arm<'m, S: Scalar, const N: usize>(
+    drive: &mut impl SharedDrive<'m, S, N>,
     trigger: Trigger,
     samples: u32,
 ) -> Result<(), Refusal> {
@@ -53,18 +56,18 @@ pub(super) fn arm<'m, S: Scalar>(
 }
 
 /// Samples per position tick of a recording of every `decimation`-th tick.
-fn period<S: Scalar>(drive: &HostedDrive<'_, S, AXES>, decimation: u32) -> u32 {
+fn period<S: Scalar, const N: usize>(drive: &HostedDrive<'_, S, N>, decimation: u32) -> u32 {
     let divider = drive.machine().position_loop_divider();
     let period = divider.checked_div(decimation).unwrap_or(0);
     let is_whole = period * decimation == divider && period as usize <= MAX_PERIOD;
     if is_whole { period.max(1) } else { 1 }
 }
 
-impl ServerState {
+impl<const N: usize> ServerState<N> {
     /// Sends samples that wait, when there are enough of them or they have waited long enough.
     // Not inlined: its packet is not on the stack while a request is executed.
     #[inline(never)]
-    pub(super) fn stream<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S>, out: &mut Frame) {
+    pub(super) fn stream<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S, N>, out: &mut Frame) {
         let interval = u64::from(self.identity.tick_hz / PACKETS_PER_SECOND);
         let since = self.streamed_at;
         let due = drive.with(|drive| {

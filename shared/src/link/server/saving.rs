@@ -11,16 +11,16 @@ use crate::scalar::Scalar;
 use crate::storage::{Reader, SlotError, StorageError};
 
 /// Erases the older record and starts a new one.
-pub(super) fn begin_save<'m, S: Scalar, D: SharedDrive<'m, S>, F: NorFlash>(
+pub(super) fn begin_save<'m, S: Scalar, D: SharedDrive<'m, S, N>, F: NorFlash, const N: usize>(
     access: &mut Access<'_, D, F>,
 ) -> Result<(), Refusal> {
     let Access { drive, memory } = access;
     drive.with(|drive| drive.without_ticks(|| memory.begin()))
 }
 
-impl ServerState {
+impl<const N: usize> ServerState<N> {
     /// Makes the record that is being written the newest one.
-    pub(super) fn save<'m, S: Scalar, D: SharedDrive<'m, S>, F: NorFlash>(
+    pub(super) fn save<'m, S: Scalar, D: SharedDrive<'m, S, N>, F: NorFlash>(
         &mut self,
         access: &mut Access<'_, D, F>,
     ) -> Result<(), Refusal> {
@@ -33,7 +33,7 @@ impl ServerState {
     /// Applies the newest record, all of it or, with a fault, nothing.
     // Not inlined: its copy of the settings is not to stay on the stack of the idle loop.
     #[inline(never)]
-    pub(super) fn load<'m, S: Scalar, D: SharedDrive<'m, S>, F: NorFlash>(
+    pub(super) fn load<'m, S: Scalar, D: SharedDrive<'m, S, N>, F: NorFlash>(
         &mut self,
         access: &mut Access<'_, D, F>,
     ) {
@@ -61,7 +61,7 @@ impl ServerState {
     }
 
     /// Applies the uploads of a record in their order.
-    fn apply_record<'m, S: Scalar, D: SharedDrive<'m, S>, F: NorFlash>(
+    fn apply_record<'m, S: Scalar, D: SharedDrive<'m, S, N>, F: NorFlash>(
         &mut self,
         mut reader: Reader,
         access: &mut Access<'_, D, F>,

@@ -1,7 +1,7 @@
 //! What a server keeps between requests.
 
 use super::super::envelope::AdmittedSettings;
-use super::super::message::{AXES, Jog, LONGEST_UPLOAD, MOTION_BLOCKS};
+use super::super::message::{Jog, LONGEST_UPLOAD, MOTION_BLOCKS};
 use super::super::packet::Frame;
 use super::super::report::{Identity, SettingsReport, UsbState};
 use super::super::session::SessionState;
@@ -12,18 +12,18 @@ use crate::units::Position;
 
 /// What a server keeps between requests.
 #[derive(Debug)]
-pub(super) struct ServerState {
-    pub(super) identity: Identity,
+pub(super) struct ServerState<const N: usize> {
+    pub(super) identity: Identity<N>,
     pub(super) session: SessionState,
     /// The reply to the last request that was executed.
     pub(super) kept: Frame,
-    pub(super) settings: AdmittedSettings,
+    pub(super) settings: AdmittedSettings<N>,
     /// Where they are from, and what the flash holds.
     pub(super) report: SettingsReport,
     /// The USB port of the board.
     pub(super) usb: UsbState,
     pub(super) upload: Upload,
-    pub(super) motion: Motion,
+    pub(super) motion: Motion<N>,
     /// Number of the next packet of the stream, and the tick of the last one.
     pub(super) stream_packets: u32,
     pub(super) streamed_at: u64,
@@ -31,24 +31,24 @@ pub(super) struct ServerState {
 
 /// A motion that the host has sent.
 #[derive(Debug)]
-pub(super) struct Motion {
-    pub(super) blocks: heapless::Vec<Block<AXES>, MOTION_BLOCKS>,
+pub(super) struct Motion<const N: usize> {
+    pub(super) blocks: heapless::Vec<Block<N>, MOTION_BLOCKS>,
     /// Where it starts, and where its last block ends.
-    pub(super) start: [Position; AXES],
-    pub(super) end: [Position; AXES],
+    pub(super) start: [Position; N],
+    pub(super) end: [Position; N],
     /// The greatest override that all of its blocks permit, %.
     pub(super) most_percent: u8,
     /// A copy of the queue of the path, on which blocks are planned.
-    pub(super) plan: Path<AXES>,
+    pub(super) plan: Path<N>,
     /// The jog at a speed that runs.
     pub(super) jog: Option<Jog>,
 }
 
-impl Motion {
+impl<const N: usize> Motion<N> {
     pub(super) const EMPTY: Self = Self {
         blocks: heapless::Vec::new(),
-        start: [Position(0); AXES],
-        end: [Position(0); AXES],
+        start: [Position(0); N],
+        end: [Position(0); N],
         most_percent: MOST_PERCENT,
         plan: Path::AT_ZERO,
         jog: None,

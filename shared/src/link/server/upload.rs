@@ -1,7 +1,7 @@
 //! Uploads: collected in parts, checked as a whole, then applied or refused.
 
 use super::super::envelope::AdmittedSettings;
-use super::super::message::{AXES, BoardSettings, LONGEST_UPLOAD, UploadKind};
+use super::super::message::{BoardSettings, LONGEST_UPLOAD, UploadKind};
 use super::super::packet;
 use super::super::port::SharedDrive;
 use super::super::refusal::{Refusal, UploadError};
@@ -52,10 +52,10 @@ impl Upload {
     }
 }
 
-impl ServerState {
+impl<const N: usize> ServerState<N> {
     /// Checks the upload and applies it. If a record is being written, the upload is written to it first, so that nothing has changed
     /// if the flash fails; an upload that is refused discards the record.
-    pub(super) fn apply<'m, S: Scalar, D: SharedDrive<'m, S>, F: NorFlash>(
+    pub(super) fn apply<'m, S: Scalar, D: SharedDrive<'m, S, N>, F: NorFlash>(
         &mut self,
         kind: UploadKind,
         length: u16,
@@ -80,7 +80,7 @@ impl ServerState {
     pub(super) fn apply_upload<'m, S: Scalar>(
         &mut self,
         kind: UploadKind,
-        drive: &mut impl SharedDrive<'m, S>,
+        drive: &mut impl SharedDrive<'m, S, N>,
     ) -> Result<(), Refusal> {
         match kind {
             UploadKind::Settings => self.apply_settings(drive),
@@ -92,7 +92,10 @@ impl ServerState {
 
     // Not inlined, as the other functions with copies of settings: they are not on the stack while a compensation is converted.
     #[inline(never)]
-    fn apply_settings<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S>) -> Result<(), Refusal> {
+    fn apply_settings<'m, S: Scalar>(
+        &mut self,
+        drive: &mut impl SharedDrive<'m, S, N>,
+    ) -> Result<(), Refusal> {
         let settings = settings(&self.upload.bytes, self.identity.tick_hz)?;
         self.configure(self.identity.envelope.admit(settings)?, drive)
     }
@@ -101,19 +104,18 @@ impl ServerState {
     #[inline(never)]
     pub(super) fn configure<'m, S: Scalar>(
         &mut self,
-        settings: AdmittedSettings,
-        drive: &mut impl SharedDrive<'m, S>,
+        settings: AdmittedSettings<N>,
+        drive: &mut impl SharedDrive<'m, S, N>,
     ) -> Result<(), Refusal> {
-        let config = MachineConfig::<S, AXES>::new(settings.rates, &settings.axes)?;
+        let config = MachineConfig::<S, N>::new(settings.rates, &settings.axes)?;
         drive.with(|drive| drive.configure(config))?;
         self.settings = settings;
         Ok(())
     }
 }
 
-fn settings(bytes: &[u8], tick_hz: u32) -> Result<BoardSettings, Refusal> {
-    let settings: BoardSettings =
-        packet::message(bytes).map_err(|_| Refusal::Upload(UploadError::Unreadable))?;
+fn settings<const N: usize>(bytes: &[u8], tick_hz: u32) -> Result<BoardSettings<N>, Refusal> {
+    let settings = BoardSettings::read(bytes)?;
     let board_hz = f64::from(tick_hz);
     // Exact: the ticks of the board are what the gains are converted for.
     if settings.rates.velocity_loop_hz.to_bits() != board_hz.to_bits() {
@@ -125,13 +127,13 @@ fn settings(bytes: &[u8], tick_hz: u32) -> Result<BoardSettings, Refusal> {
 // Tables are large. Each of the following functions is not inlined: one
 // copy of the settings and one of the converted tables are on the stack at a time.
 #[inline(never)]
-fn compensate<'m, S: Scalar>(
+fn compensate<'m, S: Scalar, const N: usize>(
     bytes: &[u8],
     axis: usize,
     rates: Rates,
-    drive: &mut impl SharedDrive<'m, S>,
+    drive: &mut impl SharedDrive<'m, S, N>,
 ) -> Result<(), Refusal> {
-    if axis >= AXES {
+    if axis >= N {
         return Err(Refusal::NoSuchAxis);
     }
     let mut settings = CompensationSettings::default();
@@ -140,19 +142,18 @@ fn compensate<'m, S: Scalar>(
 }
 
 #[inline(never)]
-fn convert_and_set<'m, S: Scalar>(
+fn convert_and_set<'m, S: Scalar, const N: usize>(
     settings: &CompensationSettings,
     axis: usize,
     rates: Rates,
-    drive: &mut impl SharedDrive<'m, S>,
+    drive: &mut impl SharedDrive<'m, S, N>,
 ) -> Result<(), Refusal> {
     let dependence = Dependence::of(u8::try_from(axis).unwrap_or(u8::MAX), settings);
-    let set =
-        AxisCompensation::<S>::convert_for(settings, rates, AxisOf { axis, axes: AXES }, |compensation| {
-            drive.with(|drive| {
-                drive.is_off()?;
-                drive.machine_mut().set_compensation(axis, compensation, dependence).map_err(Refusal::from)
-            })
-        });
+    let set = AxisCompensation::<S>::convert_for(settings, rates, AxisOf { axis, axes: N }, |compensation| {
+        drive.with(|drive| {
+            drive.is_off()?;
+            drive.machine_mut().set_compensation(axis, compensation, dependence).map_err(Refusal::from)
+        })
+    });
     set.unwrap_or_else(|error| Err(MachineError::Config { axis, error }.into()))
 }

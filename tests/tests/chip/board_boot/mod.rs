@@ -72,7 +72,7 @@ fn enabled_with(slot: &[u8]) -> (Chip, Host) {
     host.send(&Request::Hello { nonce: 77 });
     assert_eq!(chip.run(CLOSED as usize), Ok(End::Ticked), "{}", chip.diagnostics());
     let Some(Reply::Welcome(welcome)) = host.reply() else { panic!("no welcome; {}", chip.diagnostics()) };
-    assert_eq!((welcome.axes, welcome.rates, welcome.board.as_str()), (2, RATES, IDENTITY.board));
+    assert_eq!((welcome.steps.axes.len(), welcome.rates, welcome.board.as_str()), (2, RATES, IDENTITY.board));
     // Before the switch has settled, an enable is refused.
     host.send(&Request::Enable);
     assert_eq!(chip.run(CLOSED as usize + 40), Ok(End::Ticked), "{}", chip.diagnostics());

@@ -3,6 +3,7 @@
 
 use shared::interpolate::PathError;
 use shared::link::message::Jog;
+use shared::link::report::AxisStatus;
 use shared::link::{Refusal, Reply, Request, Status};
 use shared::probing::{ProbeError, ProbeSettings, ProbeStatus};
 use shared::units::Position;
@@ -22,6 +23,11 @@ fn ask(chip: &mut Chip, host: &mut Host, request: &Request) -> Reply {
     host.send(request);
     run(chip, 40);
     host.reply().unwrap_or_else(|| panic!("no reply to {request:?}; {}", chip.diagnostics()))
+}
+
+/// The state of both axes.
+fn axes(chip: &mut Chip, host: &mut Host) -> [AxisStatus; 2] {
+    status(chip, host).axes.into_array().unwrap()
 }
 
 fn status(chip: &mut Chip, host: &mut Host) -> Status {
@@ -60,10 +66,10 @@ fn each_home_switch_is_that_of_its_axis() {
             inputs.home = 1 << bit;
         }
         run(&mut chip, 3);
-        let start = status(&mut chip, &mut host).axes.map(|axis| axis.command);
+        let start = axes(&mut chip, &mut host).map(|axis| axis.command);
         assert_eq!(ask(&mut chip, &mut host, &Request::Home { axis }), Reply::Done);
         run(&mut chip, 100);
-        let now = status(&mut chip, &mut host).axes.map(|axis| axis.command);
+        let now = axes(&mut chip, &mut host).map(|axis| axis.command);
         let moved_um = [0, 1].map(|axis| 1e6 * Position(now[axis] - start[axis]).to_m());
         let [of_axis, of_other] = [moved_um[usize::from(axis)], moved_um[1 - usize::from(axis)]];
         assert!((3.0..60.0).contains(&(direction * of_axis)), "PC{bit}, axis {axis}: {moved_um:?} µm");
@@ -112,7 +118,7 @@ fn each_scale_is_read_on_its_axis_and_lost_with_its_signal() {
     for (bit, axis) in [(3, 0), (10, 1)] {
         let (mut chip, mut host) = enabled_by_a_host();
         run(&mut chip, 40);
-        let read = status(&mut chip, &mut host).axes.map(|axis| axis.table);
+        let read = axes(&mut chip, &mut host).map(|axis| axis.table);
         for (read, expected) in read.iter().zip(expected) {
             // A position unit for the rounding of a count.
             let off = read.unwrap() - expected.unwrap();
@@ -123,7 +129,7 @@ fn each_scale_is_read_on_its_axis_and_lost_with_its_signal() {
                 inputs.no_signal = lost;
             }
             run(&mut chip, 3);
-            let now = status(&mut chip, &mut host).axes.map(|axis| axis.table);
+            let now = axes(&mut chip, &mut host).map(|axis| axis.table);
             let mut expected = read;
             expected[axis] = None;
             assert_eq!(now, expected, "PA{bit}, without a signal: {lost:#x}");

@@ -3,7 +3,7 @@
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use firmware::bench::{ENVELOPE, THERMISTOR, THERMISTOR_COUNTS, signals};
+use firmware::bench::{SUPPLY_LIMITS, THERMISTOR, THERMISTOR_COUNTS, signals};
 use firmware::setup::TICK_HZ;
 use shared::figures::Thermistor;
 use shared::link::message::{Reply, Request};
@@ -42,7 +42,7 @@ impl Asking {
 fn the_figures_of_the_chip_are_those_of_the_host_to_the_last_bit() {
     let Some(board) = EmulatedBoard::armed() else { return };
     let mut host = Asking { link: RawLink::open(&board), sequence: 0 };
-    let thermistor = Thermistor::new(&THERMISTOR, ENVELOPE.supply.max_temperature_mc).unwrap();
+    let thermistor = Thermistor::new(&THERMISTOR, SUPPLY_LIMITS.max_temperature_mc).unwrap();
     let temperature = thermistor.temperature_mc(THERMISTOR_COUNTS);
     assert!(temperature.is_some_and(|mc| (mc - 31_000).abs() < 50), "{temperature:?}");
     assert_eq!(host.status().axes[0].rms, None);
@@ -57,7 +57,7 @@ fn the_figures_of_the_chip_are_those_of_the_host_to_the_last_bit() {
     let (mut phases, started) = (Vec::new(), Instant::now());
     loop {
         let status = host.status();
-        let [x, y] = status.axes;
+        let [x, y] = status.axes.clone().into_array().unwrap();
         assert_eq!(x.signals, Some(signals(x.motor).figures()), "{x:?}");
         assert_eq!((y.signals, status.supply.temperature_mc), (None, temperature));
         phases.push(x.signals.unwrap().phase_deg);
@@ -73,7 +73,7 @@ fn the_figures_of_the_chip_are_those_of_the_host_to_the_last_bit() {
     let (from, mut errors_nm) = (host.status().tick, Vec::new());
     let figures = loop {
         let status = host.status();
-        let [x, _] = status.axes;
+        let [x, _] = status.axes.clone().into_array().unwrap();
         errors_nm.push(((x.command - x.motor) as f64 / PER_NM as f64).abs());
         if status.tick > from + 2 * u64::from(TICK_HZ) {
             break x.rms.expect("a complete second");

@@ -9,6 +9,7 @@ mod emulated_board;
 mod envelope;
 mod figures;
 mod follow;
+mod four_axes;
 mod halts;
 mod hard_stop;
 mod idle;
