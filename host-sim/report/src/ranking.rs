@@ -112,13 +112,18 @@ fn gain_percent(comparison: &Comparison) -> f64 {
     numerics::rms_reduction_percent(comparison.reduction)
 }
 
-/// Candidates with a large gain in the last round of each search that were not added, with the reason.
+/// Candidates with a large gain in the last round of each search that were not added, with the reason. None that was added in the end: it was not in
+/// that stage alone.
 #[must_use]
 pub fn refused(axis: &AxisIdentification) -> Vec<String> {
     let last_rounds = axis.rounds.iter().filter(|round| round.added.is_none());
     let sentence = |round: &Round| {
         let index = round.refused()?;
-        let brief = parameters::brief(&round.candidates[index].effect, axis.unit == Unit::Degree);
+        let effect = &round.candidates[index].effect;
+        if axis.found.iter().any(|found| found.effect.is_same(effect)) {
+            return None;
+        }
+        let brief = parameters::brief(effect, axis.unit == Unit::Degree);
         Some(format!(
             "{}, {}: not added, although it explains a large part of the residual: {brief}; {}.",
             axis.axis,
