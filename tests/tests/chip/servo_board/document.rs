@@ -42,7 +42,7 @@ fn is_same(found: &str, shown: &str) -> bool {
     found.len() == shown.len() && found.iter().zip(&shown).enumerate().all(same)
 }
 
-/// Blocks `sh` are commands that succeed, blocks `sh refused` commands that fail; a block `text` behind them is the output of
+/// Blocks `sh` are commands that succeed, blocks `sh refused` commands that the board refuses, blocks `sh bad input` those whose input is wrong; a block `text` behind them is the output of
 /// the last command.
 #[test]
 fn every_step_of_the_page_does_what_it_shows() {
@@ -65,10 +65,11 @@ fn every_step_of_the_page_does_what_it_shows() {
         };
         let mut shown = block.to_owned();
         match language {
-            "sh" | "sh refused" => {
+            "sh" | "sh refused" | "sh bad input" => {
+                let code = ["sh", "sh refused", "sh bad input"].iter().position(|known| *known == language);
                 let mut started = None;
                 for command in block.replace("\\\n", " ").lines() {
-                    output = run(&board, command, language == "sh", &mut started);
+                    output = run(&board, command, code.unwrap(), &mut started);
                     commands += 1;
                 }
                 assert!(started.is_none(), "{block}: without a wait");
@@ -88,9 +89,9 @@ fn every_step_of_the_page_does_what_it_shows() {
     }
 }
 
-/// Runs a line of a block, which has to succeed or to fail. Returns its output; that of a `wait` is what the program that was started
+/// Runs a line of a block, which has to end with an exit code: 0, or 1 or 2. Returns its output; that of a `wait` is what the program that was started
 /// has told.
-fn run(board: &EmulatedBoard, line: &str, succeeds: bool, started: &mut Option<Child>) -> String {
+fn run(board: &EmulatedBoard, line: &str, code: usize, started: &mut Option<Child>) -> String {
     if let Some(seconds) = line.strip_prefix("sleep ") {
         sleep(Duration::from_secs(seconds.parse().unwrap()));
         return String::new();
@@ -105,8 +106,8 @@ fn run(board: &EmulatedBoard, line: &str, succeeds: bool, started: &mut Option<C
             assert!(started.replace(board.start(command)).is_none(), "{line}: one at a time");
             String::new()
         }
-        None if succeeds => board.succeeds(command),
-        None => board.fails(1, command),
+        None if code == 0 => board.succeeds(command),
+        None => board.fails(code.try_into().unwrap(), command),
     }
 }
 
