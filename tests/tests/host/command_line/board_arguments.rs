@@ -85,8 +85,10 @@ fn numbers_of_other_commands() {
 /// The board knows its axes by their numbers: settings of z, or of y in the first place, would go to another axis.
 #[test]
 fn machines_with_other_axes() {
-    let renamed = "renamed.toml: axis.z: expected axis y here (the board has x, y), found \"z\"";
-    let swapped = "swapped.toml: axis.y: expected axis x here (the board has x, y), found \"y\"";
+    let renamed =
+        "renamed.toml: axis.z: expected axis y here (a board has x, y, z, u, in this order), found \"z\"";
+    let swapped =
+        "swapped.toml: axis.y: expected axis x here (a board has x, y, z, u, in this order), found \"y\"";
     refuse(&[
         ("board upload --machine renamed.toml", renamed),
         ("board upload --machine swapped.toml", swapped),
