@@ -8,11 +8,15 @@
 #[allow(dead_code, reason = "written for the tests of `shared`")]
 #[path = "../../shared/tests/link/rig.rs"]
 mod rig;
+#[allow(dead_code, reason = "written for the tests of `shared`")]
+#[path = "../../shared/tests/slide.rs"]
+mod slide;
 
 use libfuzzer_sys::fuzz_target;
 use rig::{BOARD, IDENTITY, Line, Memory, SLOTS, STEPS, TICK_HZ, TIMES, TestPlant, settings};
 use shared::drive::{Amplifier, AnyOutput, DriveSystem, EnableSwitch, StatusLight};
 use shared::interpolate::Block;
+use shared::interpolate::following::FollowSettings;
 use shared::link::message::{FromBoard, Jog, LONGEST_UPLOAD, Reply, Request, UploadKind};
 use shared::link::packet::{self, Frame, Header};
 use shared::link::report::{DirectionReport, SettingsReport};
@@ -152,10 +156,25 @@ impl Board<'_> {
         self.request(&Request::Apply { kind, length, checksum: packet::checksum(contents) });
     }
 
+    /// Turns the counter at the input of x by some counts, and has an axis follow it.
+    fn turn_and_follow(&mut self, first: u8, counts: usize) {
+        let before = self.plant.counters[0].unwrap_or_default();
+        self.plant.counters[0] = u32::try_from(counts).ok().map(|counts| before.wrapping_add(counts));
+        let settings = FollowSettings {
+            input: 0,
+            distance_m: 5e-3,
+            counts: 4000,
+            speed_m_per_s: 0.05,
+            acceleration_m_per_s2: 2.0,
+            lag_m: 1e-5 * f64::from(first),
+        };
+        self.request(&Request::Follow { axis: first & 1, settings });
+    }
+
     /// One of the actions of an input.
     fn act(&mut self, tag: u8, bytes: &[u8]) {
         let first = bytes.first().copied().unwrap_or(0);
-        match tag % 16 {
+        match tag % 17 {
             0 | 1 => self.garbage(bytes),
             2..=5 => {
                 if let Ok(request) = packet::message::<Request>(bytes) {
@@ -183,6 +202,7 @@ impl Board<'_> {
             })),
             14 if !bytes.is_empty() => self.upload(bytes),
             14 => self.request(&Request::BeginSave),
+            15 => self.turn_and_follow(first, bytes.len()),
             _ => {
                 self.request(&Request::NewMotion);
                 self.request(&Request::add_block(Block::line([1e-4 * f64::from(first), 0.0], 0.03, 0.5)));
