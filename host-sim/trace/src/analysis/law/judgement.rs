@@ -47,21 +47,23 @@ pub fn judged(chosen: &Chosen, held_out: &Samples<'_>, options: &SearchOptions) 
     let of_folds = of_folds(chosen, best.terms.len(), options);
     let half_widths = half_widths(&chosen.blocks, best);
     let with = chosen.library.with_coefficients(best);
+    let squares = chosen.library.squares_of_terms(&chosen.blocks, best);
+    let law: Vec<(&Term, f64)> = with.iter().zip(squares).collect();
     let mut column = chosen.library.always - 1;
-    let terms = with.iter().cloned().zip(held_out_t).map(|(term, held_out_t)| {
+    let terms = law.iter().zip(held_out_t).map(|(&(term, squares), held_out_t)| {
         let mut half = [0.0; 2];
-        for half in &mut half[..columns_of(&term)] {
+        for half in &mut half[..columns_of(term)] {
             column += 1;
             *half = half_widths.get(column).copied().unwrap_or(f64::NAN);
         }
-        let has = |law: &[Term]| law.iter().any(|other| chosen.is_same_form(&term, other));
+        let has = |law: &[Term]| law.iter().any(|other| chosen.is_same_form(term, other));
         FoundTerm {
-            rivals: replaced(chosen, &term, (&with, &alike)),
-            shadowed_by: shadow(chosen, best, &term),
+            rivals: replaced(chosen, term, (&with, &alike)),
+            shadowed_by: shadow(&law, (term, squares)),
             is_in_all_folds: of_folds.iter().all(|law| has(law)),
             half_widths: half,
             held_out_t,
-            term,
+            term: term.clone(),
         }
     });
     let terms = terms.collect();
@@ -109,24 +111,16 @@ fn replaced(chosen: &Chosen, term: &Term, (best, rivals): (&[Term], &[Vec<Term>]
     all
 }
 
-/// The term of a law, of the motions of a small term, in whose shadow the small one is.
-fn shadow(chosen: &Chosen, best: &Subset, small: &Term) -> Option<Term> {
-    let with = || {
-        chosen
-            .library
-            .with_coefficients(best)
-            .into_iter()
-            .zip(chosen.library.squares_of_terms(&chosen.blocks, best))
-    };
-    let (_, of_small) = with().find(|(term, _)| term == small)?;
+/// A term of a law that depends on the motions of a small one, and is so large that the small one may be what its form lacks. `law`: the terms, each with Σ of its
+/// square.
+fn shadow(law: &[(&Term, f64)], (small, of_small): (&Term, f64)) -> Option<Term> {
     let is_of_its_motion = |large: &Term| {
         let has = |other: bool| large.variables().iter().any(|one| one.is_of_other_axis() == other);
         small.variables().iter().all(|one| has(one.is_of_other_axis()))
     };
-    let is_shadow = |(term, squares): &(Term, f64)| {
-        *squares >= MIN_SHADOW_RATIO.powi(2) * of_small && is_of_its_motion(term)
-    };
-    with().find(is_shadow).map(|(term, _)| term)
+    let least = MIN_SHADOW_RATIO.powi(2) * of_small;
+    let large = law.iter().find(|(term, squares)| *squares >= least && is_of_its_motion(term));
+    large.map(|(term, _)| (*term).clone())
 }
 
 /// The best law of the same size of the samples without each fold.
