@@ -93,8 +93,8 @@ install_emulator() {
 lints() {
   cargo clippy --workspace --exclude firmware --all-targets -- -D warnings
   local program
-  for program in board emulated servo cost; do
-    cargo clippy --package firmware --bin "$program" --features "$program" --target "$target" -- -D warnings
+  for program in board emulated servo servo-four cost cost-four; do
+    cargo clippy --package firmware --bin "$program" --features "${program%-four}" --target "$target" -- -D warnings
   done
 }
 
@@ -107,8 +107,8 @@ documentation() {
 # The programs that are flashed, and those of the emulator: whether they compile.
 check_programs_of_chip() {
   local program
-  for program in board emulated servo; do
-    cargo check --package firmware --bin "$program" --features "$program" --target "$target"
+  for program in board emulated servo servo-four; do
+    cargo check --package firmware --bin "$program" --features "${program%-four}" --target "$target"
   done
 }
 
