@@ -1,5 +1,6 @@
 //! Positions, velocities and internal states of the axes while they move.
 
+use model::effects::LoopState;
 use wide::f64x2;
 
 use super::friction::SlidingState;
@@ -29,6 +30,10 @@ pub struct AxisMotion<L = f64> {
     pub friction_n: L,
     /// Direction of the motor's friction that turns over with the travel, −1 to 1.
     pub motor_direction: L,
+    /// State of the drive train's hysteresis. Axes that have one are not joined in a register.
+    pub hysteresis: LoopState,
+    /// Stretch of the drive train that this state has followed, m.
+    pub stretch_m: f64,
     /// Change of the motor's velocity over the last step, m/s.
     pub motor_change: L,
     /// Change of the table's velocity over the last step, m/s.
@@ -50,6 +55,8 @@ impl<L: Lane> AxisMotion<L> {
             drive_n: convert(|motion| motion.drive_n),
             friction_n: convert(|motion| motion.friction_n),
             motor_direction: convert(|motion| motion.motor_direction),
+            hysteresis: LoopState::default(),
+            stretch_m: 0.0,
             motor_change: convert(|motion| motion.motor_change),
             table_change: convert(|motion| motion.table_change),
         }
@@ -105,7 +112,9 @@ impl AxisMotion {
         let stretch_m = deflection_m - parameters.screw.yielded_m(self.motor_m, deflection_m);
         let in_contact = !parameters.screw.has_gap() || stretch_m != 0.0;
         let damping_n = spring.damping_n_s_per_m * (self.motor_m_per_s - v);
-        let screw_n = if in_contact { spring.stiffness_n_per_m * stretch_m + damping_n } else { 0.0 };
+        let loop_n = parameters.screw.hysteresis.carried_n(self.hysteresis);
+        let screw_n =
+            if in_contact { spring.stiffness_n_per_m * stretch_m + loop_n + damping_n } else { 0.0 };
         (screw_n - resistance_n) / parameters.table_mass_kg
     }
 }

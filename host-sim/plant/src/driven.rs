@@ -15,6 +15,7 @@ use super::friction::SlidingState;
 use super::parameters::AxisParameters;
 use super::presliding::{ExactStep, StepTime};
 use super::screw::{Screw, Spring};
+use model::effects::{GearHysteresis, LoopState};
 
 /// Motion of the screw at the end of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -56,6 +57,9 @@ pub struct DrivenTable {
     deflection_m: f64,
     deflection_rate: f64,
     bristle_m: f64,
+    /// State of the drive train's hysteresis, and the stretch that it has followed.
+    hysteresis: LoopState,
+    stretch_m: f64,
     filtered_speed_m_per_s: f64,
     /// Position of the table of a rigid screw.
     table_m: f64,
@@ -86,8 +90,10 @@ impl DrivenTable {
             + parameters.load.force_n(screw.nominal_m);
         let gap_m = screw.half_gap_m.copysign(table.transmitted_n);
         if let Some(spring) = &parameters.spring {
-            let stretch_m = table.transmitted_n / spring.stiffness_n_per_m;
-            table.deflection_m = stretch_m * (1.0 + screw.compliance_change) + gap_m;
+            let stiffness = spring.stiffness_n_per_m / (1.0 + screw.compliance_change);
+            table.stretch_m = stretch_under(table.transmitted_n, stiffness, &parameters.screw.hysteresis);
+            table.hysteresis = parameters.screw.hysteresis.after(LoopState::default(), table.stretch_m);
+            table.deflection_m = table.stretch_m + gap_m;
         } else {
             table.table_m -= gap_m;
         }
@@ -104,6 +110,12 @@ impl DrivenTable {
     #[must_use]
     pub fn filtered_speed_m_per_s(&self) -> f64 {
         self.filtered_speed_m_per_s
+    }
+
+    /// State of the drive train's hysteresis, and the stretch that it has followed, m.
+    #[must_use]
+    pub fn hysteresis(&self) -> (LoopState, f64) {
+        (self.hysteresis, self.stretch_m)
     }
 
     fn sliding(&self, screw: ScrewMotion) -> SlidingState {
@@ -163,14 +175,33 @@ impl DrivenTable {
         let stiffness = step.stiffness / (1.0 + screw.compliance_change);
         let in_gap = explicit_n.abs() <= screw.half_gap_m * inertia;
         let gap_m = screw.half_gap_m.copysign(explicit_n);
-        let deflection = if in_gap {
-            explicit_n / inertia
-        } else {
-            (explicit_n
+        // Behind a hysteresis of offset_n + slope·(stretch − stretch before).
+        let behind = |hysteresis: LoopForce| {
+            (explicit_n - hysteresis.offset_n
+                + hysteresis.slope_n_per_m * (gap_m + self.stretch_m)
                 + stiffness * gap_m
                 + step.damping_per_h * self.deflection_m
                 + step.damping * screw.error_velocity)
-                / (inertia + stiffness + step.damping_per_h)
+                / (inertia + stiffness + hysteresis.slope_n_per_m + step.damping_per_h)
+        };
+        let mut loop_n = 0.0;
+        let deflection = if in_gap {
+            (self.hysteresis, self.stretch_m) = (LoopState::default(), 0.0);
+            explicit_n / inertia
+        } else if step.has_hysteresis {
+            // The slope of the loop to where the step ends without a loop, and then to where it ends with this slope.
+            let hysteresis = &step.parameters.screw.hysteresis;
+            let to = |stretch_m: f64| LoopForce::to(hysteresis, (self.hysteresis, self.stretch_m), stretch_m);
+            let mut end_m = behind(LoopForce::constant(hysteresis, self.hysteresis));
+            for _ in 0..LOOP_ITERATIONS {
+                end_m = behind(to(end_m - gap_m));
+            }
+            (self.hysteresis, self.stretch_m) =
+                (hysteresis.after(self.hysteresis, end_m - gap_m - self.stretch_m), end_m - gap_m);
+            loop_n = hysteresis.carried_n(self.hysteresis);
+            end_m
+        } else {
+            behind(LoopForce::default())
         };
         let rate = (deflection - self.deflection_m) * per_h;
         self.bristle_m =
@@ -178,7 +209,7 @@ impl DrivenTable {
         self.transmitted_n = if in_gap {
             0.0
         } else {
-            stiffness * (deflection - gap_m) + step.damping * (rate - screw.error_velocity)
+            stiffness * (deflection - gap_m) + loop_n + step.damping * (rate - screw.error_velocity)
         };
         self.deflection_m = deflection;
         self.deflection_rate = rate;
@@ -196,6 +227,7 @@ pub struct DrivenStep<'a> {
     stiffness: f64,
     damping: f64,
     damping_per_h: f64,
+    has_hysteresis: bool,
 }
 
 impl<'a> DrivenStep<'a> {
@@ -215,6 +247,7 @@ impl<'a> DrivenStep<'a> {
             stiffness: of_spring(|spring| spring.stiffness_n_per_m),
             damping,
             damping_per_h: damping * per_h,
+            has_hysteresis: parameters.screw.hysteresis.acts(),
         }
     }
 
@@ -245,6 +278,46 @@ impl<'a> DrivenStep<'a> {
             bristles,
         }
     }
+}
+
+/// Iterations of the slope of a hysteresis over a step. Each leaves of the error at most the part of the loop's stiffness in that of spring and inertia.
+const LOOP_ITERATIONS: usize = 3;
+
+/// Force of a hysteresis over one step as offset + slope·(stretch − stretch before).
+#[derive(Clone, Copy, Default)]
+struct LoopForce {
+    offset_n: f64,
+    slope_n_per_m: f64,
+}
+
+impl LoopForce {
+    /// That of a state which does not change.
+    fn constant(hysteresis: &GearHysteresis, state: LoopState) -> Self {
+        Self { offset_n: hysteresis.carried_n(state), slope_n_per_m: 0.0 }
+    }
+
+    /// The one that is exact at a stretch, m, from a state and the stretch that it has followed.
+    fn to(hysteresis: &GearHysteresis, (state, from_m): (LoopState, f64), stretch_m: f64) -> Self {
+        let moved_m = stretch_m - from_m;
+        let change_n = hysteresis.carried_n(hysteresis.after(state, moved_m)) - hysteresis.carried_n(state);
+        let slope_n_per_m = if moved_m == 0.0 { 0.0 } else { change_n / moved_m };
+        Self { slope_n_per_m, ..Self::constant(hysteresis, state) }
+    }
+}
+
+/// Stretch of a drive train that was loaded from nothing by a force, m: k·s + force·z(s) = F, by Newton's method. F/k is beyond the root, and the function
+/// bends downwards: after the first step, all are on one side of the root.
+fn stretch_under(force_n: f64, stiffness_n_per_m: f64, hysteresis: &GearHysteresis) -> f64 {
+    const STEPS: usize = 12;
+    let rigid_m = force_n / stiffness_n_per_m;
+    if !hysteresis.acts() {
+        return rigid_m;
+    }
+    (0..STEPS).fold(rigid_m, |stretch_m, _| {
+        let loop_n = hysteresis.carried_n(hysteresis.after(LoopState::default(), stretch_m));
+        let slope = stiffness_n_per_m + hysteresis.sticking_n_per_m(stretch_m);
+        stretch_m - (stiffness_n_per_m * stretch_m + loop_n - force_n) / slope
+    })
 }
 
 /// Whole friction over one step as offset + slope·v, with the mean velocity v of the step (m/s).
@@ -315,6 +388,36 @@ mod tests {
             (forwards - 1.54e-6).abs() < 1e-9 && (backwards + 1.54e-6).abs() < 1e-9,
             "{forwards:e} {backwards:e}"
         );
+    }
+
+    /// Spring and loop together carry the 220 N of friction, in either direction: 200 N/µm of the stretch, and of 40 N what eight elements carry after its history, each of which
+    /// slips at its own stretch.
+    #[test]
+    fn a_loop_carries_what_its_history_says() {
+        const SLIPS_AT_M: [f64; 8] =
+            [0.2020e-6, 0.3950e-6, 0.5660e-6, 0.7430e-6, 0.9435e-6, 1.1905e-6, 1.5400e-6, 2.2360e-6];
+        let mut gear = axis();
+        gear.screw.hysteresis = GearHysteresis { force_n: 40.0, travel_um: 0.5 };
+        let h = 5e-4;
+        let step = DrivenStep::new(&gear, h);
+        let (mut table, mut screw) = (DrivenTable::default(), ScrewMotion::default());
+        let (mut elements, mut before_m) = ([0.0_f64; 8], 0.0);
+        for (velocity, steps) in [(0.02, 100), (-0.02, 200), (0.02, 200)] {
+            for _ in 0..steps {
+                let nominal_m = screw.nominal_m + velocity * h;
+                screw = ScrewMotion { velocity, ..ScrewMotion::at(&gear.screw, nominal_m) };
+                table.step(&step, screw);
+                let stretch_m = screw.nominal_m - table.position_m(&gear, screw);
+                for (element, slips_at_m) in elements.iter_mut().zip(SLIPS_AT_M) {
+                    *element = (*element + (stretch_m - before_m) / slips_at_m).clamp(-1.0, 1.0);
+                }
+                before_m = stretch_m;
+            }
+            let z = elements.iter().sum::<f64>() / 8.0;
+            let carried_n = 200e6 * before_m + 40.0 * z;
+            assert!((carried_n - 220f64.copysign(velocity)).abs() < 0.2, "{carried_n} {z}");
+            assert!(40.0 * z.abs() > 4.0, "{z}");
+        }
     }
 
     #[test]

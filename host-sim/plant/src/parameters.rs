@@ -226,6 +226,7 @@ impl AxisParameters {
             Effect::PitchMap(e) => (self.screw.map, self.screw.gap_map) = (e.mean_error(), e.width()),
             Effect::PitchCyclic(e) => self.screw.periodic.push(e.error()),
             Effect::StiffnessMap(e) => self.screw.compliance_map = e.curve(),
+            Effect::GearHysteresis(e) => self.screw.hysteresis = e,
             Effect::ForceWindup(e) => self.forced_windup = Some(e),
             Effect::Windup(e) => self.set_stiffness(e.stiffness_n_per_um),
         }

@@ -2,7 +2,7 @@
 //!
 //! Positions of the motor are reflected to the table (rotation times lead), m.
 
-use model::effects::{Backlash, PeriodicError, PitchProgressive, StiffnessMap};
+use model::effects::{Backlash, GearHysteresis, PeriodicError, PitchProgressive, StiffnessMap};
 use model::position_curve::PositionCurve;
 
 /// Geometric errors of the screw.
@@ -20,6 +20,8 @@ pub struct Screw {
     pub gap_map: PositionCurve,
     /// Change of the compliance of the [`Spring`], as a part of it, over the motor position, m.
     pub compliance_map: PositionCurve,
+    /// Loop of the force over the stretch of the [`Spring`].
+    pub hysteresis: GearHysteresis,
 }
 
 /// Axial elasticity between motor and table, in series: screw shaft, nut, bearing, coupling.
@@ -36,7 +38,8 @@ impl Screw {
     #[must_use]
     pub fn is_exact(&self) -> bool {
         // Without `..`, so that the compiler points here when a field is added.
-        let Self { backlash: _, gap_map: _, compliance_map: _, progressive, periodic, map } = self;
+        let Self { backlash: _, gap_map: _, compliance_map: _, hysteresis: _, progressive, periodic, map } =
+            self;
         progressive.slope_um_per_m == 0.0 && periodic.is_empty() && map.is_empty()
     }
 
@@ -62,10 +65,10 @@ impl Screw {
         self.backlash.width_um > 0.0 || !self.gap_map.is_empty()
     }
 
-    /// Whether screw and nut are always in contact, with the same stiffness everywhere.
+    /// Whether screw and nut are always in contact, with the same stiffness everywhere and always.
     #[must_use]
     pub fn is_coupling_constant(&self) -> bool {
-        !self.has_gap() && self.compliance_map.is_empty()
+        !self.has_gap() && self.compliance_map.is_empty() && !self.hysteresis.acts()
     }
 
     /// Half of the gap, m, at a true motor position (m).

@@ -15,7 +15,7 @@ impl AxisParameters {
     ///
     /// The linear part is exact at any step. The fastest of these nonlinear parts limits it: the bristles of the guide
     /// under the table, 0.06 rad of √(σ0/m) per step; the friction of the motor about standstill, 0.2 of Fc/(w·m), or while it turns over, as the bristles; the
-    /// contact at the edges of the backlash, or a stiffness that varies, 0.1 rad of √(k·(1/m + 1/M)). It is at most 1 ms.
+    /// contact at the edges of the backlash, a stiffness that varies, or the loop of a gear, 0.1 rad of √(k·(1/m + 1/M)). It is at most 1 ms.
     #[must_use]
     pub fn step_limit(&self) -> (&'static str, f64) {
         let (motor_kg, table_kg) = match self.spring {
@@ -26,7 +26,9 @@ impl AxisParameters {
         let motor = self.motor_level_n(0.0) / friction::SIGN_WIDTH_M_PER_S / motor_kg;
         let contact = match &self.spring {
             Some(spring) if !self.screw.is_coupling_constant() => {
-                (spring.stiffness_n_per_m * (motor_kg.recip() + table_kg.recip())).sqrt()
+                let stiffness_n_per_m =
+                    spring.stiffness_n_per_m + self.screw.hysteresis.sticking_n_per_m(0.0);
+                (stiffness_n_per_m * (motor_kg.recip() + table_kg.recip())).sqrt()
             }
             _ => 0.0,
         };

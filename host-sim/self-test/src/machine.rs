@@ -102,10 +102,11 @@ struct MovingAxis<'a> {
 
 impl<'a> MovingAxis<'a> {
     fn new(axis: &'a Axis, at_m: f64, time_s: f64) -> Self {
-        let (motor_m, scale_m) = (axis.reading_m(at_m), axis.scale.reading_m(at_m, time_s));
+        let state = State { time_s, ..axis.mechanics.resting(at_m) };
+        let (motor_m, scale_m) = (axis.reading_m(at_m), axis.scale.reading_m(state.table_m, time_s));
         Self {
             axis,
-            state: State { time_s, ..State::resting(at_m) },
+            state,
             drive: Drive::new(&axis.servo),
             modes: [Mode::resting(at_m), Mode::resting(at_m)],
             feedback: [motor_m, scale_m].map(|start_m| PickedUp::new(axis.servo.pickup, start_m)),

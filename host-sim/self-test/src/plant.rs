@@ -59,6 +59,25 @@ impl LocalDefect {
     }
 }
 
+/// Number of elements of a hysteresis.
+pub const SLIPPING: usize = 12;
+
+/// An element that carries a force in proportion to the stretch, up to a limit at which it slips.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Slipping {
+    /// Stiffness while it sticks.
+    pub stiffness_n_per_m: f64,
+    /// Largest force; 0: there is none.
+    pub limit_n: f64,
+}
+
+impl Slipping {
+    /// Force after a change of the stretch, m.
+    fn after(&self, force_n: f64, stretched_m: f64) -> f64 {
+        (force_n + self.stiffness_n_per_m * stretched_m).clamp(-self.limit_n, self.limit_n)
+    }
+}
+
 /// True mechanical values of one axis, SI units. An error of value 0 is absent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mechanics {
@@ -70,6 +89,8 @@ pub struct Mechanics {
     pub stiffness_n_per_m: f64,
     /// Relative variation of the stiffness over the motor's position, 1 over m; amplitude below 1.
     pub stiffness_wave: Sinusoid,
+    /// Elements beside the stiffness, each of which sticks up to a force and slips at it: the hysteresis of a gear.
+    pub slipping: [Slipping; SLIPPING],
     /// Damping between screw and table, while they are in contact.
     pub damping_n_s_per_m: f64,
     /// Coulomb friction of the table.
@@ -137,6 +158,8 @@ pub struct State {
     pub table_m_per_s2: f64,
     /// Deflection of the bristles of the table's friction.
     pub bristle_m: f64,
+    /// Forces of the slipping elements.
+    pub slipping_n: [f64; SLIPPING],
     /// Time on the clock of the session, s.
     pub time_s: f64,
 }
@@ -150,6 +173,13 @@ impl State {
 }
 
 impl Mechanics {
+    /// At rest. Of a gear, which would keep what the error of its transmission strains it by, the spring is unstrained.
+    #[must_use]
+    pub fn resting(&self, at_m: f64) -> State {
+        let has_gear = self.slipping.iter().any(|element| element.limit_n > 0.0);
+        State { table_m: if has_gear { self.screw_m(at_m) } else { at_m }, ..State::resting(at_m) }
+    }
+
     /// One step under a force on the motor.
     pub fn step(&self, state: &mut State, force_n: f64) {
         let [motor, table] = [state.motor_m_per_s, state.table_m_per_s];
@@ -161,8 +191,14 @@ impl Mechanics {
         let table_n = spring_n - friction_n - self.load_n(state);
         state.motor_m_per_s = motor + STEP_S * motor_n / self.motor_kg;
         state.table_m_per_s = table + STEP_S * table_n / self.table_kg;
+        let strain_m = |state: &State| self.screw_m(state.motor_m) - state.table_m;
+        let before_m = strain_m(state);
         state.motor_m += STEP_S * state.motor_m_per_s;
         state.table_m += STEP_S * state.table_m_per_s;
+        let stretched_m = strain_m(state) - before_m;
+        for (force_n, element) in state.slipping_n.iter_mut().zip(&self.slipping) {
+            *force_n = element.after(*force_n, stretched_m);
+        }
         state.time_s += STEP_S;
         // The next step changes the bristles of the state itself.
         let table_n = self.spring_n(state) - self.friction_n(&mut { *state }) - self.load_n(state);
@@ -200,7 +236,8 @@ impl Mechanics {
         };
         let speed = state.motor_m_per_s - state.table_m_per_s;
         let stiffness_n_per_m = self.stiffness_n_per_m * (1.0 + self.stiffness_wave.at(state.motor_m));
-        stiffness_n_per_m * stretch_m + self.damping_n_s_per_m * speed
+        let slipping_n: f64 = state.slipping_n.iter().sum();
+        stiffness_n_per_m * stretch_m + slipping_n + self.damping_n_s_per_m * speed
     }
 
     /// Viscous and Coulomb friction at the temperature of the guide, relative to the nominal ones.

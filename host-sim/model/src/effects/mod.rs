@@ -28,6 +28,7 @@ mod friction_memory;
 mod friction_ripple;
 mod friction_temperature;
 mod friction_warm_up;
+mod gear_hysteresis;
 mod gravity;
 mod inertial_windup;
 mod intalk;
@@ -102,6 +103,7 @@ pub use friction_memory::FrictionMemory;
 pub use friction_ripple::FrictionRipple;
 pub use friction_temperature::FrictionTemperature;
 pub use friction_warm_up::FrictionWarmUp;
+pub use gear_hysteresis::{GearHysteresis, LoopState};
 pub use gravity::Gravity;
 pub use inertial_windup::InertialWindup;
 pub use intalk::Intalk;
@@ -160,6 +162,7 @@ catalogue! {
     ForceWindup,
     InertialWindup,
     StiffnessMap,
+    GearHysteresis,
     Stribeck,
     FrictionAsymmetry,
     TorqueRipple,

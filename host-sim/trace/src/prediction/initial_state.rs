@@ -63,7 +63,10 @@ impl InitialState {
 pub fn steady_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64, time_s: f64) -> AxisMotion {
     let screw = ScrewMotion { velocity, time_s, ..ScrewMotion::at(&parameters.screw, motor_m) };
     let table = DrivenTable::settled(parameters, screw);
+    let (hysteresis, stretch_m) = table.hysteresis();
     AxisMotion {
+        hysteresis,
+        stretch_m,
         motor_m,
         motor_m_per_s: velocity,
         table_m: table.position_m(parameters, screw),

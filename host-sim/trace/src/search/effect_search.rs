@@ -360,8 +360,8 @@ fn left_by(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> f64 {
     model_bias::log_rms(data, &data.residuals(&fitted.model, scope), scope)
 }
 
-/// Fits again with the tracer's own error recomputed from the fitted model, if this lowers the residuals. Returns the fit
-/// and the error.
+/// Fits again with the tracer's own error recomputed from the fitted model, and returns fit and error if less remains. Both fits are compared at their
+/// own optimum: one that was fitted with another error subtracted would seem to describe the logs worse with the right one.
 fn without_bias(
     data: &FitData<'_>,
     base: Fitted,
@@ -369,16 +369,16 @@ fn without_bias(
     scope: &Scope,
 ) -> (Fitted, Vec<ResidualSeries>) {
     let new = model_bias::of(data, &base.model, scope);
-    let without = FitData { bias: &new, ..*data };
-    let is_less = || {
-        let residuals = without.residuals(&base.model, scope);
-        model_bias::is_less(data, [&base.residuals, &residuals], scope)
-    };
-    if new.is_empty() || !is_less() {
+    if new.is_empty() {
         return (base, bias);
     }
+    let without = FitData { bias: &new, ..*data };
     let fitted = least_squares::fit_from(&without, &base.model, scope, least_squares::STEPS, &base.columns);
-    (fitted, new)
+    if model_bias::is_less(data, [&base.residuals, &fitted.residuals], scope) {
+        (fitted, new)
+    } else {
+        (base, bias)
+    }
 }
 
 /// The point at which candidates start: the fitted values, or the nominal values in the first round of a mechanical scope

@@ -34,7 +34,7 @@ fn each_compensated_effect_of_the_catalogue_is_tested() {
 }
 
 /// All effects that a simulation has and that are not compensated, on one machine.
-const NOT_COMPENSATED: [&str; 17] = [
+const NOT_COMPENSATED: [&str; 18] = [
     "name = \"drive_asymmetry\"\npercent = 3.0",
     "name = \"drive_dead_time\"\nms = 0.05",
     "name = \"computation_delay\"\nperiods = 0.1",
@@ -50,6 +50,7 @@ const NOT_COMPENSATED: [&str; 17] = [
     "name = \"probe_rotation\"\num_per_m = 50.0",
     "name = \"probe_gain\"\num_per_m = 50.0",
     "name = \"stiffness_map\"\npositions_mm = [0, 100]\ncompliance_percent = [-10, 10]",
+    "name = \"gear_hysteresis\"\nforce_n = 20.0\ntravel_um = 1.0",
     "name = \"thermal_rate\"\num_per_min = 0.5",
     "name = \"friction_memory\"\nviscous_n_s_per_m = 200.0\ntime_constant_s = 0.1",
 ];

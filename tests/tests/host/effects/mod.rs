@@ -19,7 +19,7 @@ use tests::tested;
 tested! {
     screw: backlash, pitch_progressive, pitch_cyclic, resolver_dividing, encoder_ellipticity, pitch_map;
     scale: scale_gain, scale_cyclic, thermal_growth;
-    screw: windup, stiffness_map;
+    screw: windup, stiffness_map, gear_hysteresis;
     force: stribeck, friction_asymmetry, torque_ripple, constant_load, drive_asymmetry, position_load, gravity,
         motor_stribeck, friction_warm_up,
         friction_map, presliding, shear_thinning, friction_memory,

@@ -227,6 +227,41 @@ pub fn windup() {
     }
 }
 
+/// Spring and loop together carry what the spring alone does: table − motor changes by L·z/k, with the mean z of eight elements that slip at their own stretches, followed
+/// along the logged stretch.
+pub fn gear_hysteresis() {
+    const SLIPS_AT: [f64; 8] = [0.404, 0.79, 1.132, 1.486, 1.887, 2.381, 3.08, 4.472];
+    let (force_n, travel_um, mm_s) = (60.0, 0.5, 200.0);
+    let motion = lines(&[(250.0, mm_s), (0.0, mm_s)]);
+    let plain = run(PLAIN, &motion);
+    let effect = format!("name = \"gear_hysteresis\"\nforce_n = {force_n:?}\ntravel_um = {travel_um:?}");
+    let effect_run = run(&with(&effect), &motion);
+    let [motor_mm, table_mm] =
+        [Channel::Motor, Channel::Table].map(|channel| effect_run.channel("x", channel));
+    let mut elements = [0.0_f64; 8];
+    let mut before_um = 0.0;
+    let follow = |(motor_mm, table_mm): (&f64, &f64)| {
+        let stretch_um = 1e3 * (motor_mm - table_mm);
+        for (element, slips_at) in elements.iter_mut().zip(SLIPS_AT) {
+            *element = (*element + (stretch_um - before_um) / (slips_at * travel_um)).clamp(-1.0, 1.0);
+        }
+        before_um = stretch_um;
+        elements.iter().sum::<f64>() / 8.0
+    };
+    let z: Vec<f64> = motor_mm.iter().zip(table_mm).map(follow).collect();
+    let change_um = effect_run.drive_train_change_um(&plain);
+    let per_n_um = force_n / declared().mechanics.stiffness_n_per_um.unwrap();
+    for mm_s in [mm_s, -mm_s] {
+        let steady = effect_run.steady(mm_s);
+        assert!(per_n_um * z[steady[0]].abs() > 10.0 * ROUNDING_UM, "{}", z[steady[0]]);
+        for &i in &steady {
+            // Between the samples, at the end of a transient, the stretch may have turned once more.
+            assert_near(change_um[i], per_n_um * z[i], 2.0 * ROUNDING_UM, "table − motor");
+        }
+        assert_all(&effect_run.change(Channel::Force, &plain), &steady, 0.0, ROUNDING_N, "force");
+    }
+}
+
 /// Table − motor changes by −F/k·c under the force F of the guideway, with the change c of the compliance on the natural cubic spline through
 /// three knots (by hand, as for `friction_map`). The outer ones, at which its slope has a step, are beyond the travel.
 pub fn stiffness_map() {

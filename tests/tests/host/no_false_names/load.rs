@@ -1,10 +1,7 @@
 //! Forces that are no constant load.
 
-use files::log::Unit;
-use model::axis::KeyNames;
 use model::effects::Stage;
 use self_test::plant::Sinusoid;
-use trace::trace;
 use trace::verdict::{self, Verdict};
 
 use super::machine::TestMachine;
@@ -33,15 +30,7 @@ fn the_load_of_a_joint_over_its_angle_is_gravity() {
         // sin(q + 60°): 360° are 0.36 of the simulated metres.
         mechanics.load_wave = Sinusoid { amplitude: 150.0, period: 0.36, phase: 60f64.to_radians() };
     });
-    let mut file = machine.file();
-    for axis in file.axis.values_mut() {
-        axis.settings.names = KeyNames::Rotary;
-    }
-    let [mut fit, mut validate] = machine.logs();
-    for axis in fit.iter_mut().chain(&mut validate).flat_map(|log| &mut log.axes) {
-        axis.unit = Unit::Degree;
-    }
-    let traced = trace(&file, &fit, &validate, &|_| {}).unwrap();
+    let traced = machine.trace_as_joints();
     assert_named(&traced, &[("x", "gravity")]);
     let gravity = found(&traced, 0, "gravity");
     assert_value(gravity, "sine_n", 75.0, 2.0);

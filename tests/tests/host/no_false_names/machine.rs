@@ -1,6 +1,7 @@
 //! Machines of the second simulator (`self-test`), with the machine file that declares them.
 
-use files::log::Log;
+use files::log::{Log, Unit};
+use model::axis::KeyNames;
 use model::machine::Machine;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -99,6 +100,21 @@ impl TestMachine {
         let [mut fit, mut validate] = self.logs();
         fit.iter_mut().chain(&mut validate).for_each(change);
         trace(&self.file(), &fit, &validate, &|_| {}).unwrap()
+    }
+}
+
+impl TestMachine {
+    /// The trace of its logs as those of joints: a metre is 1000°, a newton a newton metre.
+    pub fn trace_as_joints(&self) -> Identification {
+        let mut file = self.file();
+        for axis in file.axis.values_mut() {
+            axis.settings.names = KeyNames::Rotary;
+        }
+        let [mut fit, mut validate] = self.logs();
+        for axis in fit.iter_mut().chain(&mut validate).flat_map(|log| &mut log.axes) {
+            axis.unit = Unit::Degree;
+        }
+        trace(&file, &fit, &validate, &|_| {}).unwrap()
     }
 }
 

@@ -10,6 +10,7 @@ mod controller;
 mod declared_values;
 
 mod displaced_sensors;
+mod gear;
 mod guide;
 mod hidden;
 mod intervals;
