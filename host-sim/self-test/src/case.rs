@@ -13,7 +13,7 @@ use super::effect_draw::{draw_beside, draw_textbook};
 use super::kind::Kind;
 use super::machine::Axis;
 use super::truth::Truth;
-use super::{chain, draw, effect, extra, fault, gap, motion, simulation};
+use super::{chain, draw, effect, extra, fault, gap, joint, motion, simulation};
 use files::error::InputError;
 use files::log::Log;
 use files::output::{OutputError, write_whole};
@@ -64,6 +64,9 @@ impl Case {
         let Session { drawn, motions, truths, mut extras } = Session::draw(kind, seed, number);
         let stream = |purpose| stream(block::of(kind), seed, number, purpose);
         let mut logs = run_session(&drawn, &motions, |log| stream(Purpose::Log(log)));
+        if kind == Kind::Joint {
+            logs.iter_mut().for_each(joint::in_degrees);
+        }
         if kind == Kind::Sparse {
             gap::thin(gap::of_case(number), &mut logs);
         }
@@ -123,7 +126,11 @@ impl Case {
     /// The content of `truth.json`: `effects` of the catalogue; for kinds other than the textbook one, `extra` with name
     /// and axis of what is outside it, and `extra_parameters` with its sizes.
     fn truth_json(&self) -> Value {
-        let of = |truths: &[Truth]| truths.iter().map(Truth::json).collect::<Vec<_>>();
+        let entry = |truth: &Truth| match self.kind {
+            Kind::Joint => joint::with_rotary_keys(&truth.json()),
+            _ => truth.json(),
+        };
+        let of = |truths: &[Truth]| truths.iter().map(entry).collect::<Vec<_>>();
         let effects = of(&self.truths);
         if self.kind == Kind::Textbook {
             return json!({"effects": effects});

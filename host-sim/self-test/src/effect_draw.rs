@@ -91,10 +91,10 @@ fn add_effects(truths: &mut Vec<Truth>, count: usize, machine: &mut Drawn, rando
     }
 }
 
-/// Pairs that are not drawn on one axis. A load greater than the friction keeps the screw on one side of its gap. The
+/// Pairs that are not drawn on one axis. A load greater than the friction keeps the screw on one side of its gap; a strain wave gear has none. The
 /// others have the same consequence: a pitch shape has a slope, a second harmonic of the screw the period of a resolver
 /// with two pole pairs, and the loop multiplies Kp by Kv and by feed-forward.
-const EXCLUSIONS: [[&str; 2]; 27] = [
+const EXCLUSIONS: [[&str; 2]; 30] = [
     ["backlash", "constant_load"],
     ["backlash", "cable_drag"],
     ["backlash", "backlash_varies"],
@@ -103,6 +103,9 @@ const EXCLUSIONS: [[&str; 2]; 27] = [
     ["squareness", "guide_shape"],
     ["straightness", "guide_shape"],
     ["resolver_dividing", "screw_second_harmonic"],
+    ["resolver_dividing", "gear_error"],
+    ["backlash", "joint_gravity"],
+    ["backlash", "gear_hysteresis"],
     ["servo_mismatch", "feedforward_mismatch"],
     ["servo_mismatch", "velocity_gain_mismatch"],
     ["servo_mismatch", "integral_time_mismatch"],

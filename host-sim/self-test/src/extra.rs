@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::draw::{Drawn, one_of};
 use super::effect::sinusoid_um;
+use super::joint;
 use super::kind::Kind;
 use super::machine::AXES;
 use super::plant::{Mechanics, Sinusoid};
@@ -39,6 +40,7 @@ pub fn draw(kind: Kind, machine: &mut Drawn, random: &mut ChaCha8Rng) -> Vec<Tru
     let mechanics = &mut machine.axes[index].mechanics;
     let (name, parameters) = match kind {
         Kind::Coarse => return slow_drives(machine),
+        Kind::Joint => return joint::draw(machine, index, random),
         Kind::Shape => ("pitch_shape", pitch_shape(mechanics, random)),
         Kind::Friction => friction(mechanics, random),
         Kind::Foreign => foreign(mechanics, lead_mm, random),

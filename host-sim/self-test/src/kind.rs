@@ -37,11 +37,13 @@ pub enum Kind {
     Sparse,
     /// A guide that is not straight, or a carriage that turns as it moves.
     Guide,
+    /// Rotary axes, one with a gear or a weight: see [`super::joint`].
+    Joint,
 }
 
 impl Kind {
     /// All kinds; the position of a kind determines its random numbers.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Textbook,
         Self::Coarse,
         Self::Many,
@@ -56,6 +58,7 @@ impl Kind {
         Self::Sensors,
         Self::Sparse,
         Self::Guide,
+        Self::Joint,
     ];
 
     /// Its name on the command line and in results.
@@ -76,6 +79,7 @@ impl Kind {
             Self::Sensors => "sensors",
             Self::Sparse => "sparse",
             Self::Guide => "guide",
+            Self::Joint => "joint",
         }
     }
 
@@ -122,7 +126,13 @@ impl Kind {
     pub(super) fn may_stand_alone(self) -> bool {
         matches!(
             self,
-            Self::Shape | Self::Friction | Self::Foreign | Self::Slip | Self::Controller | Self::Guide
+            Self::Shape
+                | Self::Friction
+                | Self::Foreign
+                | Self::Slip
+                | Self::Controller
+                | Self::Guide
+                | Self::Joint
         )
     }
 }

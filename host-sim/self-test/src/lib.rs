@@ -6,7 +6,7 @@
 //!
 //! | step | module |
 //! |---|---|
-//! | generate a machine, its motions and its undeclared effects | [`kind`], [`draw`], [`motion`], [`truth`], [`effect`], [`effect_draw`], [`extra`], [`chain`], [`gap`] |
+//! | generate a machine, its motions and its undeclared effects | [`kind`], [`draw`], [`motion`], [`truth`], [`effect`], [`effect_draw`], [`extra`], [`chain`], [`gap`], [`joint`] |
 //! | simulate it | [`simulation`], [`machine`], [`plant`], [`servo`], [`sensors`], [`pickup`], [`scale`], [`recording`], [`fault`] |
 //! | one machine with its logs | [`case`] |
 //! | compare a trace with the true effects | [`score`], [`outside`], [`judgement`] |
@@ -36,6 +36,7 @@ pub mod effect_draw;
 pub mod extra;
 pub mod fault;
 pub mod gap;
+pub mod joint;
 pub mod judgement;
 mod judgement_text;
 pub mod kind;

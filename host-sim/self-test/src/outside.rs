@@ -14,7 +14,7 @@ pub const FAULT_KINDS: [&str; 9] =
     ["slip", "stuck", "spike", "sign", "exchanged", "shifted", "rate", "unit", "dead"];
 
 /// Things from outside and their names.
-const NAMINGS: [Naming; 15] = [
+const NAMINGS: [Naming; 18] = [
     // A slope is a part of a shape, but does not name it.
     Naming { names: &["pitch_map"], ..named("pitch_shape", &["pitch_map", "pitch_progressive"]) },
     // A slope or a bow is a part of a shape, but does not name it.
@@ -50,6 +50,15 @@ const NAMINGS: [Naming; 15] = [
         ..named("cable_drag", &["position_load"])
     },
     named("backlash_varies", &["backlash", "pitch_map"]),
+    Naming { estimated: Some(("gravity", &["sine_n", "cosine_n"])), ..named("joint_gravity", &["gravity"]) },
+    Naming {
+        estimated: Some(("gear_hysteresis", &["force_n", "travel_um"])),
+        ..named("gear_hysteresis", &["gear_hysteresis"])
+    },
+    Naming {
+        estimated: Some(("pitch_cyclic", &["amplitude_um"])),
+        ..named("gear_error", &["pitch_cyclic", "pitch_map"])
+    },
     fault("scale_slip", "slip"),
     fault("scale_stuck", "stuck"),
     fault("probe_sign", "sign"),

@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::case::Case;
+use super::joint;
 use super::judgement::Judgement;
 use super::kind::Kind;
 use super::outside::{self, Answer, ReportedFault};
@@ -81,9 +82,11 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Scores the JSON of a trace of a case.
+    /// Scores the JSON of a trace of a case. Results of rotary axes are those of linear ones under other keys.
     #[must_use]
     pub fn of(case: &Case, trace: &Value) -> Self {
+        let linear = (case.kind == Kind::Joint).then(|| joint::with_linear_keys(trace));
+        let trace = linear.as_ref().unwrap_or(trace);
         Self::new(case.number, &case.truths, trace).with_kind(case.kind, &case.extras, trace)
     }
 

@@ -1,13 +1,10 @@
 //! The gear of a joint: its hysteresis and its kinematic error.
 
+use self_test::joint::SLIPS_AT;
 use self_test::plant::{SLIPPING, Slipping};
 
 use super::machine::{TestMachine, wave_um};
 use super::reported::{assert_named, certain, context, found};
-
-/// Torsion at which each element of the gear slips, in multiples of [`TRAVEL_MDEG`]: the quantiles 1/24 to 23/24 of x·exp(−x).
-const SLIPS_AT: [f64; SLIPPING] =
-    [0.321, 0.609, 0.847, 1.075, 1.305, 1.549, 1.815, 2.118, 2.479, 2.94, 3.607, 4.964];
 
 /// Torsion after which 1 − 1/e of the torque is reached.
 const TRAVEL_MDEG: f64 = 1.2;
