@@ -33,7 +33,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Kinds of cases, separated by commas: textbook, coarse, many, small, jerk, offspec, shape, friction, foreign, slip,
-    /// controller, sensors, sparse; or all.
+    /// controller, sensors, sparse, guide, joint; or all.
     #[arg(long, default_value = "textbook")]
     kind: Kinds,
     /// Of the kinds sensors and sparse, only the cases with this error or gap.
