@@ -175,7 +175,8 @@ mod tests {
 
     #[test]
     fn both_motors_declare_what_they_do_together_alike() {
-        let changes: [(&str, fn(&mut AxisSettings)); 3] = [
+        type Change = (&'static str, fn(&mut AxisSettings));
+        let changes: [Change; 3] = [
             ("travel_m", |axis| axis.travel_m = Some([-0.1, 0.2])),
             ("fastest_m_per_s", |axis| axis.fastest_m_per_s = Some(0.2)),
             ("smoothing", |axis| axis.smoothing = crate::interpolate::Smoothing::Trapezoid { time_s: 0.01 }),

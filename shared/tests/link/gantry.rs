@@ -131,7 +131,7 @@ fn skew_is_a_fault_of_the_second_motor_and_told_in_the_status() {
     assert!((0.2e-3..0.2e-3 + 30e-6).contains(&apart_m), "{apart_m} m");
     let skew = Fault::Axis { axis: 1, kind: FaultKind::GantrySkew };
     assert_eq!(rig.status().power, Power::Faulted(skew));
-    assert_eq!([0, 1].map(|axis| rig.plant.force_n(axis)), [0.0; 2]);
+    assert!([0, 1].iter().all(|axis| rig.plant.force_n(*axis).abs() == 0.0));
     assert_eq!(rig.refusal(&jog_by(0.001)), Refusal::Faulted(skew));
 }
 
