@@ -43,7 +43,8 @@ fn a_beam_is_homed_moved_and_recorded() {
     board.succeeds("board jog --port bench --axis x --by-mm 91.7 --speed-mm-per-min 6000");
     let status = board.succeeds("board status --port bench");
     let [[x, x_motor, x_n], [u, u_motor, u_n]] = ["x", "u"].map(|axis| numbers(&status, axis));
-    assert!((x - u).abs() < 1e-9 && x.abs() < 0.02, "{status}");
+    // The index of u came 0.12 mm behind that of x, and x has gone on by 6 µm.
+    assert!((x - u).abs() < 1e-9 && (-0.15..-0.1).contains(&x), "{status}");
     assert!((x_motor - u_motor).abs() < 0.003 && skew_um(&status).abs() < 3.0, "{status}");
     assert!(x_n.abs() < 24.0 && u_n.abs() < 24.0, "{status}");
     for axis in ["y", "z"] {
