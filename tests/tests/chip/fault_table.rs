@@ -192,7 +192,7 @@ impl Side {
             }
         }
         println!("{cases} cases");
-        assert_eq!(cases, 5 * (2 * 13 + 9));
+        assert_eq!(cases, 5 * (2 * 14 + 9));
     }
 }
 
