@@ -16,16 +16,19 @@ fn machine(keys: [&str; 3]) -> String {
     format!("name = \"gantry\"\nsample_rate_hz = 4000.0\nvelocity_loop_rate_hz = 20000.0\n{axes}")
 }
 
+fn read_machine(keys: [&str; 3]) -> Machine {
+    Machine::parse(&machine(keys), "m.toml").unwrap()
+}
+
 const GANTRY: &str = "gantry_with = \"x\"\ngantry_skew_limit_mm = 0.3\ngantry_offset_mm = -1.5";
 
 #[test]
 fn a_gantry_is_converted_with_the_number_of_its_first_motor() {
-    let machine_of = |keys| Machine::parse(&machine(keys), "m.toml").unwrap();
     for (keys, first) in [
         ([GANTRY, "", ""].map(|keys| keys.replace("\"x\"", "\"y\"")), 1),
         (["", "", GANTRY].map(str::to_owned), 0),
     ] {
-        let read = machine_of(keys.each_ref().map(String::as_str));
+        let read = read_machine(keys.each_ref().map(String::as_str));
         assert_eq!(Machine::parse(&read.to_toml(), "again.toml").unwrap(), read);
         let second = keys.iter().position(|keys| !keys.is_empty()).unwrap();
         let gantry = |axis: usize| crate::servo::gantry(&read.axis[axis].settings, read.axis.keys());
@@ -33,7 +36,7 @@ fn a_gantry_is_converted_with_the_number_of_its_first_motor() {
         assert_eq!(gantry(second), Some(expected));
         assert_eq!(gantry(1), Some(expected).filter(|_| second == 1));
     }
-    let read = machine_of(["", "", "gantry_with = \"x\"\ngantry_skew_limit_mm = 0.3"]);
+    let read = read_machine(["", "", "gantry_with = \"x\"\ngantry_skew_limit_mm = 0.3"]);
     let gantry = crate::servo::gantry(&read.axis["z"].settings, read.axis.keys()).unwrap();
     assert!(gantry.reference_offset_m.abs() < 1e-15);
 }
