@@ -160,6 +160,7 @@ pub static ENVELOPE: Envelope<AXES> = Envelope {
         scale_disagreement_limit_m: Some(1e-3),
         stop_deceleration_m_per_s2: 0.5,
         excitation_limit_n: 120.0,
+        gantry_skew_limit_m: Some(2e-3),
     }; AXES],
     supply: SupplyLimits { min_bus_mv: 36_000, max_bus_mv: 60_000, max_temperature_mc: 80_000 },
 };
@@ -218,6 +219,7 @@ pub const SETTINGS: [AxisSettings; AXES] = [AxisSettings {
     smoothing: Smoothing::None,
     brake: None,
     preload_n: None,
+    gantry: None,
 }; AXES];
 
 /// Why the values above were rejected.

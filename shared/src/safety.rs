@@ -5,7 +5,7 @@
 //! | state | drives | path | event | next state |
 //! |---|---|---|---|---|
 //! | Off | off | at rest, follows the axes when they are moved | enable | On; Enabling if an axis has a brake |
-//! | Off | | | inhibit: the previous run ended by a fault, or a loop has no reading of the scale that it uses | Faulted |
+//! | Off | | | inhibit: the previous run ended by a fault, or a loop has no reading of the scale that it uses, or a gantry has skew | Faulted |
 //! | Off | | | fault, stopped, disable | Off |
 //! | On | on | runs | fault that switches the drives off | Faulted |
 //! | On | | | fault that stops | Stopping |
@@ -42,6 +42,7 @@
 //! | encoder step | every tick | drives off | a motor cannot jump: the reading is wrong |
 //! | encoder frozen: the command has moved, the motor reading has not | every position tick | drives off | a broken wire or a blocked axis: the force would grow without feedback |
 //! | scale frozen: with a scale in the loop, the motor has moved and the scale has not (the reverse is a frozen encoder) | every position tick | drives off | a dead scale or a broken coupling: the motor would move without end |
+//! | gantry skew: the two motors of a gantry are further from a square beam than declared | every position tick; before an enable, which is inhibited until acknowledged | drives off | one of them does not follow, and the other would bend the beam; without force it is relieved |
 //! | overrun: more late or missed ticks than the board tolerates | every tick, while the power stages are enabled | drives off | the loops have missed their deadline |
 //! | hardware stop | every tick, by the board | drives off | emergency stop or a fault of a power stage; the hardware has already disabled the stage |
 //! | emergency stop | every tick, by the board | drives off | the hardware has cut the stages, or is about to |
@@ -92,11 +93,13 @@ pub enum FaultKind {
     ScaleFrozen,
     /// An axis that follows a counter is further from its setpoint than declared.
     GearLag,
+    /// The two motors of a gantry are further from a square beam than declared; of its second motor.
+    GantrySkew,
 }
 
 impl FaultKind {
     /// Every kind, the most severe reaction first.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::FollowingError,
         Self::Disagreement,
         Self::EncoderStep,
@@ -104,6 +107,7 @@ impl FaultKind {
         Self::ScaleFrozen,
         Self::DriveFault,
         Self::EncoderSignal,
+        Self::GantrySkew,
         Self::ForceSaturated,
         Self::SoftLimit,
         Self::LimitSwitch,
@@ -122,7 +126,8 @@ impl FaultKind {
             | Self::EncoderFrozen
             | Self::ScaleFrozen
             | Self::DriveFault
-            | Self::EncoderSignal => Reaction::DriveOff,
+            | Self::EncoderSignal
+            | Self::GantrySkew => Reaction::DriveOff,
             Self::ForceSaturated | Self::SoftLimit | Self::LimitSwitch | Self::GearLag => Reaction::Stop,
             Self::ScaleLost | Self::Displaced => Reaction::Warn,
         }

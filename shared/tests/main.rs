@@ -11,6 +11,7 @@ mod enabling;
 mod figures;
 mod gain_change;
 mod gain_schedule;
+mod gantry;
 mod homing;
 mod inputs;
 mod link;

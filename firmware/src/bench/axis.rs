@@ -69,6 +69,10 @@ pub struct Frozen {
 pub struct Surroundings {
     /// Force on the motor, N.
     pub motor_n: f32,
+    /// Force on the table, N.
+    pub table_n: f32,
+    /// Coulomb friction of the table beside [`COULOMB_N`], N.
+    pub drag_n: f32,
     /// The axis is vertical: the weight of motor side and table, which have no counterweight, acts downwards.
     pub vertical: bool,
     /// [`ADDED_MASS_KG`] is on the table.
@@ -133,9 +137,10 @@ impl AxisPlant {
                 self.motor_velocity -= within(self.motor_velocity, STEP_S / MOTOR_MASS_KG * BRAKE_N);
             }
             let stop_n = if surroundings.stopped { self.stop_force() } else { 0.0 };
-            let moving = screw_n - weight_n + stop_n - VISCOUS_N_S_PER_M * self.table_velocity;
+            let moving =
+                screw_n + surroundings.table_n - weight_n + stop_n - VISCOUS_N_S_PER_M * self.table_velocity;
             let free = self.table_velocity + STEP_S / table_mass_kg * moving;
-            let friction = STEP_S / table_mass_kg * COULOMB_N;
+            let friction = STEP_S / table_mass_kg * (COULOMB_N + surroundings.drag_n);
             self.table_velocity = free - within(free, friction);
             #[expect(clippy::cast_possible_truncation, reason = "a position unit")]
             let way = |velocity: f32| (velocity * (STEP_S * UNITS)) as i64;
@@ -159,6 +164,23 @@ impl AxisPlant {
     /// Position of the motor, position units.
     pub(super) const fn motor(&self) -> i64 {
         self.motor
+    }
+
+    /// Position of the table, position units.
+    pub(super) const fn table(&self) -> i64 {
+        self.table
+    }
+
+    /// Velocity of the table, m/s.
+    pub(super) const fn table_velocity(&self) -> f32 {
+        self.table_velocity
+    }
+
+    /// Moves motor and table to a position, at rest, without index pulses.
+    pub(super) const fn move_to(&mut self, position: i64) {
+        (self.motor, self.table) = (position, position);
+        (self.motor_velocity, self.table_velocity) = (0.0, 0.0);
+        (self.turn, self.index) = (turn(position), None);
     }
 
     /// The reading at the index pulse since the last call.

@@ -5,6 +5,7 @@
 //! horizontal until it is stood up.
 
 mod axis;
+mod beam;
 mod brake;
 mod cogging;
 mod master;
@@ -28,6 +29,7 @@ use shared::units::{PER_NM, Position};
 use crate::setup::{self, RATES, SWITCH_SETTLING_TICKS, SetupError, TICK_HZ};
 pub use axis::COUNT;
 use axis::{AxisPlant, Frozen, INDEX_M, LEAD_M, Surroundings};
+use beam::{Beam, DRAG_N};
 use brake::Brake;
 pub use cogging::{COGGING, CoggingWave};
 pub use master::MASTER_TURN;
@@ -111,6 +113,7 @@ impl<const N: usize> Constants<N> {
             scale_disagreement_limit_m: Some(1e-3),
             stop_deceleration_m_per_s2: 0.5,
             excitation_limit_n: 120.0,
+            gantry_skew_limit_m: Some(1e-3),
         }; N],
         supply: SUPPLY_LIMITS,
     };
@@ -142,6 +145,8 @@ pub struct Bench<const N: usize> {
     enabled: bool,
     /// The brake of y, which a horizontal axis does not have.
     y_brake: Brake,
+    /// The beam between the tables of x and the last axis.
+    beam: Beam,
     /// The encoder at the counter of x, beside its scale: a real board has one of both there.
     master: Master,
     operator_inputs: OperatorInputs,
@@ -169,6 +174,10 @@ pub struct OperatorInputs {
     pub x_stop: bool,
     /// A workpiece is before x, whose probe is on its table, from [`WORKPIECE_M`] on.
     pub x_workpiece: bool,
+    /// A beam is on the tables of x and of the last axis.
+    pub beam: bool,
+    /// The table of the last axis has [`DRAG_N`] more friction.
+    pub last_dragged: bool,
     /// Counts by which the master of x still has to turn.
     pub master_counts: i32,
     /// The next tick with the power stages on takes one and a half periods.
@@ -187,6 +196,7 @@ impl<const N: usize> Bench<N> {
             forces: [0.0; N],
             enabled: false,
             y_brake: Brake::CLOSED,
+            beam: Beam::default(),
             master: Master::default(),
             operator_inputs: OperatorInputs {
                 enable_switch: false,
@@ -198,6 +208,8 @@ impl<const N: usize> Bench<N> {
                 y_loaded: false,
                 x_stop: false,
                 x_workpiece: false,
+                beam: false,
+                last_dragged: false,
                 master_counts: 0,
                 slow_tick: false,
                 held_off: false,
@@ -212,24 +224,27 @@ impl<const N: usize> Bench<N> {
 
     /// Moves the machine by the time of a tick.
     pub fn step(&mut self) {
-        let OperatorInputs { x_frozen, x_cogging, x_stop, y_vertical: vertical, y_loaded: loaded, .. } =
-            self.operator_inputs;
+        let inputs = self.operator_inputs;
         self.y_brake.step();
         self.master.step(&mut self.operator_inputs.master_counts);
         let forces = if self.enabled { self.forces } else { [0.0; N] };
-        let braked = vertical && self.y_brake.is_closed();
+        let beam_n = self.beam.force_n(inputs.beam, &mut self.axes);
+        let braked = inputs.y_vertical && self.y_brake.is_closed();
         for (number, (axis, force)) in self.axes.iter_mut().zip(forces).enumerate() {
-            let (surroundings, frozen) = match number {
-                0 => {
-                    let motor_n = if x_cogging { cogging::force_n(axis.motor()) } else { 0.0 };
-                    (Surroundings { motor_n, stopped: x_stop, ..Surroundings::default() }, x_frozen)
-                }
-                1 => {
-                    let of_y = Surroundings { vertical, loaded, braked, ..Surroundings::default() };
-                    (of_y, Frozen::default())
-                }
-                _ => (Surroundings::default(), Frozen::default()),
-            };
+            let (mut surroundings, mut frozen) = (Surroundings::default(), Frozen::default());
+            if number == 0 {
+                let motor_n = if inputs.x_cogging { cogging::force_n(axis.motor()) } else { 0.0 };
+                let table_n = -beam_n;
+                frozen = inputs.x_frozen;
+                surroundings = Surroundings { motor_n, table_n, stopped: inputs.x_stop, ..surroundings };
+            } else if number == N - 1 {
+                let drag_n = if inputs.last_dragged { DRAG_N } else { 0.0 };
+                surroundings = Surroundings { table_n: beam_n, drag_n, ..surroundings };
+            }
+            if number == 1 {
+                let OperatorInputs { y_vertical: vertical, y_loaded: loaded, .. } = inputs;
+                surroundings = Surroundings { vertical, loaded, braked, ..surroundings };
+            }
             axis.step(force, surroundings, frozen);
         }
     }

@@ -19,6 +19,8 @@ pub const END: u8 = b'q';
 /// | `a`, `d` | puts 3 kg on the table of y, takes them away |
 /// | `b`, `u` | puts a hard stop before x, takes it away |
 /// | `p`, `x` | puts a workpiece before the probe of x, takes it away |
+/// | `B`, `U` | puts a beam on the tables of x and the last axis, with skew; takes it away |
+/// | `D`, `R` | gives the last table more friction than its drive has force, takes it away |
 /// | `j`, `z` | turns the master at the counter of x forwards, back by a turn |
 /// | `s`, `i` | makes the next tick with the stages on slow, holds off the interrupts of the ticks |
 pub fn operate(operator_inputs: &mut OperatorInputs, byte: u8) -> bool {
@@ -54,6 +56,10 @@ fn operate_switch(operator_inputs: &mut OperatorInputs, byte: u8) -> bool {
         b'u' => (&mut operator_inputs.x_stop, false),
         b'p' => (&mut operator_inputs.x_workpiece, true),
         b'x' => (&mut operator_inputs.x_workpiece, false),
+        b'B' => (&mut operator_inputs.beam, true),
+        b'U' => (&mut operator_inputs.beam, false),
+        b'D' => (&mut operator_inputs.last_dragged, true),
+        b'R' => (&mut operator_inputs.last_dragged, false),
         b's' => (&mut operator_inputs.slow_tick, true),
         b'i' => (&mut operator_inputs.held_off, true),
         _ => return false,

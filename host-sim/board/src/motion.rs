@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use shared::interpolate::BlockOf;
 use shared::interpolate::feed_hold::FeedState;
 use shared::link::message::{PerAxis, Request};
-use shared::link::report::{Activity, Status};
+use shared::link::report::{Activity, AxisStatus, Status};
 use shared::safety::Power;
 
 use crate::client::Client;
@@ -36,14 +36,17 @@ impl Client {
         }
     }
 
-    /// Sends a motion; the board checks each block. It does not start yet.
+    /// Sends a motion; the board checks each block. It does not start yet. A line leaves the second motor of a gantry where it is: it has no
+    /// coordinate of its own.
     ///
     /// # Errors
     /// [`BoardError`]; a block that the board refuses with its number.
     pub fn send_motion(&mut self, blocks: &[BlockOf<PerAxis<f64>>]) -> Result<(), BoardError> {
         self.command(&Request::NewMotion)?;
+        let axes = self.status()?.axes;
         for block in blocks {
-            self.command(&Request::AddBlock(block.clone()))?;
+            let block = block.clone().map(|to_m| left_alone(to_m, &axes));
+            self.command(&Request::AddBlock(block))?;
         }
         Ok(())
     }
@@ -80,6 +83,16 @@ impl Client {
             self.listen(POLL)?;
         }
     }
+}
+
+/// The end of a line with each second motor of a gantry where it is.
+fn left_alone(mut to_m: PerAxis<f64>, axes: &[AxisStatus]) -> PerAxis<f64> {
+    for (to_m, axis) in to_m.iter_mut().zip(axes) {
+        if axis.gantry.is_some() {
+            *to_m = axis.command.to_m();
+        }
+    }
+    to_m
 }
 
 /// The error for drives that are not on.

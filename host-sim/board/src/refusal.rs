@@ -73,6 +73,11 @@ pub fn text(refusal: &Refusal) -> String {
         Refusal::Excitation(problem) => excitation_problem(*problem).into(),
         Refusal::Probe(error) => probe(*error),
         Refusal::Follow(error) => follow(*error),
+        Refusal::SecondMotor { axis, first } => format!(
+            "{} is the second motor of a gantry, and moves with {}",
+            axis_name(*axis),
+            axis_name(*first)
+        ),
         Refusal::BrakesMove => "its brakes open or close, and the drives hold the axes; try again".into(),
         Refusal::Busy => "the path changes too fast; try again".into(),
     }
@@ -92,11 +97,11 @@ pub const fn halted_by_other(halt: Halt) -> &'static str {
 
 /// What is wrong with a block, with the name of the axis in the place of its number.
 fn path(error: PathError) -> String {
-    use PathError::{BeyondTravel, LimitSwitch, NotHomed};
+    use PathError::{BeyondTravel, LimitSwitch, NotHomed, SecondMotor};
 
     let problem = error.to_string();
     match error {
-        BeyondTravel { axis } | LimitSwitch { axis } | NotHomed { axis } => {
+        BeyondTravel { axis } | LimitSwitch { axis } | NotHomed { axis } | SecondMotor { axis } => {
             problem.replacen(&format!("axis {axis}"), &axis_name(axis), 1)
         }
         _ => problem,
@@ -153,6 +158,8 @@ fn setting(problem: &SettingProblem) -> String {
             format!("it is missing; this board requires a limit of at most {ceiling}")
         }
         SettingProblem::NoScale => "the axis has no linear scale on this board".into(),
+        SettingProblem::NotOfFirstMotor => "expected what the first motor of the gantry has".into(),
+        SettingProblem::NoGantry => "the axis is not the second motor of a gantry on this board".into(),
     }
 }
 
@@ -165,6 +172,9 @@ const fn direction_problem(problem: DirectionProblem) -> &'static str {
         DirectionProblem::Force => "the force has to be positive and at most the force limit of the axis",
         DirectionProblem::Brake => {
             "the axis has a brake: with open loops it would fall. Check the direction with the axis supported and without its brake keys"
+        }
+        DirectionProblem::Gantry => {
+            "the axis is a motor of a gantry, and alone would bend the beam. Check the direction with the motors uncoupled and without the gantry keys"
         }
         DirectionProblem::Setting => "expected a time of at most 1 s and a distance of at most 5 mm",
     }
@@ -246,6 +256,9 @@ pub fn homing(failure: HomingFailure) -> String {
         HomingFailure::Weight => {
             "the axis carries a weight (brake_release_s or preload_n), and may fall with a limited force; it needs a home switch".into()
         }
+        HomingFailure::Gantry => {
+            "the axis is a motor of a gantry: its motors are homed together, and not to a hard stop".into()
+        }
         HomingFailure::LimitSwitch => "a limit switch was reached".into(),
         HomingFailure::ScaleMissing => "the scale has no signal".into(),
         HomingFailure::Timeout => "the homing took too long".into(),
@@ -321,6 +334,9 @@ const fn kind_text(kind: FaultKind) -> &'static str {
         FaultKind::DriveFault => "the drive reports a fault",
         FaultKind::EncoderSignal => "the encoder signal is too weak or too strong",
         FaultKind::LimitSwitch => "the command moves onto an active limit switch; jog back",
+        FaultKind::GantrySkew => {
+            "skew of the gantry beyond its limit: its two motors are not where each other is; look at the beam"
+        }
         FaultKind::Displaced => "enabled away from the start of the path",
     }
 }

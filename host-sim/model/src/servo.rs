@@ -1,13 +1,13 @@
 //! Conversion of the controller's keys in the machine file to settings of `shared`.
 
 use shared::config::{
-    self, AxisSettings, Brake, GainSchedule, LowPass, Notch, Notches, ScaleLimits, SchedulePoint,
-    ScheduledOver, VelocitySource,
+    self, AxisSettings, Brake, GainSchedule, GantrySettings, LowPass, Notch, Notches, ScaleLimits,
+    SchedulePoint, ScheduledOver, VelocitySource,
 };
 use shared::interpolate::Smoothing;
 
 use crate::axis::{
-    Controller, Drive, Feedback, Filters, Holding, Law, Limits, PerNotch, Schedule, Sensors, Settings,
+    Controller, Drive, Feedback, Filters, Gantry, Holding, Law, Limits, PerNotch, Schedule, Sensors, Settings,
 };
 use crate::effects::{
     ComputationDelay, DriveDeadTime, DriveLag, Effect, FeedforwardMismatch, IntegralTimeMismatch, LoopDelay,
@@ -172,6 +172,18 @@ pub fn settings(axis: &Settings, effects: &ServoParameters) -> Result<AxisSettin
         brake: brake(holding),
         preload_n: holding.preload_n,
         ..defaults
+    })
+}
+
+/// The gantry of which an axis is the second motor, with the number of the first among the names of the axes.
+#[must_use]
+pub fn gantry<'n>(axis: &Settings, mut names: impl Iterator<Item = &'n String>) -> Option<GantrySettings> {
+    let Gantry { gantry_with, gantry_skew_limit_mm, gantry_offset_mm } = &axis.gantry;
+    let first = gantry_with.as_ref()?;
+    Some(GantrySettings {
+        first: u8::try_from(names.position(|name| *name == first.0)?).ok()?,
+        skew_limit_m: 1e-3 * (*gantry_skew_limit_mm)?,
+        reference_offset_m: 1e-3 * gantry_offset_mm.unwrap_or(0.0),
     })
 }
 

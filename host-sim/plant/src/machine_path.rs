@@ -22,12 +22,19 @@ impl MachinePath {
     /// motion, for messages.
     ///
     /// # Errors
-    /// When the motion names an axis that the machine does not have.
+    /// When the motion names an axis that the machine does not have, or that is the second motor of a gantry.
     pub fn new(motion: &Motion, machine: &Machine, source: &str) -> Result<Self, InputError> {
         for name in motion.start_mm.keys() {
             if !machine.axis.contains_key(name) {
                 let names: Vec<&str> = machine.axis.keys().map(String::as_str).collect();
                 let expected = format!("axes of the machine ({})", names.join(", "));
+                let found = format!("axis {name}");
+                return Err(InputError::expected(source, expected, found).at_key("start_mm"));
+            }
+            let gantry = machine.axis.get(name).map(|axis| &axis.settings.gantry);
+            if let Some(first) = gantry.and_then(|gantry| gantry.gantry_with.as_ref()) {
+                let expected =
+                    format!("axes with a command of their own ({name} is the second motor of {})", first.0);
                 let found = format!("axis {name}");
                 return Err(InputError::expected(source, expected, found).at_key("start_mm"));
             }

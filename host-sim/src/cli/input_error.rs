@@ -24,7 +24,7 @@ pub struct Inputs<'a> {
 impl Inputs<'_> {
     /// An [`InputError`] if an input was refused; any other error is passed on.
     pub fn error(&self, error: impl Into<SimulationError>) -> Error {
-        use SimulationError::{Block, Controller, Lacks, TooFast};
+        use SimulationError::{Block, Controller, Gantry, Lacks, TooFast};
 
         let error = error.into();
         let input = match &error {
@@ -38,6 +38,11 @@ impl Inputs<'_> {
                      requires steps of {step_s:.1e} s"
                 );
                 InputError::new(self.machine_file, problem).at_key(&format!("axis.{axis}.{key}"))
+            }
+            Gantry { axis } => {
+                let problem =
+                    "a gantry is not simulated; the emulated board has one (`board bench add-beam`)";
+                InputError::new(self.machine_file, problem).at_key(&format!("axis.{axis}.gantry_with"))
             }
             Controller(ControllerError::Refused(MachineError::Config { axis, error })) => {
                 self.setting_error(*axis, error)

@@ -1,6 +1,7 @@
 //! The envelope of an axis: ceilings of its settings, which are compiled into the program of a board.
 
 use super::error::ConfigError;
+use super::gantry::GantrySettings;
 use super::settings::{AxisSettings, Sensors};
 
 /// Ceilings of the settings of an axis.
@@ -28,6 +29,9 @@ pub struct AxisEnvelope {
     pub stop_deceleration_m_per_s2: f64,
     /// Greatest sum of the amplitudes with which a frequency response is measured ([`crate::excitation`]), N; 0: none is measured.
     pub excitation_limit_n: f64,
+    /// Ceiling of [`GantrySettings::skew_limit_m`](super::GantrySettings::skew_limit_m), m, above 0. `None`: the axis is not the second
+    /// motor of a gantry.
+    pub gantry_skew_limit_m: Option<f64>,
 }
 
 impl AxisEnvelope {
@@ -35,7 +39,8 @@ impl AxisEnvelope {
     ///
     /// # Errors
     /// [`ConfigError`] for the first setting that is beyond it ([`ConfigError::AboveCeiling`], [`ConfigError::BelowFloor`]), that is
-    /// missing ([`ConfigError::NotMonitored`]), or that uses a scale which is not there ([`ConfigError::NoScale`]).
+    /// missing ([`ConfigError::NotMonitored`]), or that uses a scale or a gantry which is not there ([`ConfigError::NoScale`],
+    /// [`ConfigError::NoGantry`]).
     pub const fn check(&self, settings: &AxisSettings) -> Result<(), ConfigError> {
         let ceilings = [
             ("fastest_m_per_s", settings.fastest_m_per_s, self.fastest_m_per_s),
@@ -61,6 +66,9 @@ impl AxisEnvelope {
         if let Err(error) = self.check_travel(settings.travel_m) {
             return Err(error);
         }
+        if let Err(error) = self.check_gantry(settings.gantry) {
+            return Err(error);
+        }
         let deceleration = settings.stop_deceleration_m_per_s2;
         at_least("stop_deceleration_m_per_s2", deceleration, self.stop_deceleration_m_per_s2)
     }
@@ -73,6 +81,16 @@ impl AxisEnvelope {
             (None, Sensors::Motor { scale_disagreement_limit_m: None, .. }) => Ok(()),
             (None, Sensors::Motor { .. }) => Err(ConfigError::NoScale("scale_disagreement_limit_m")),
             (None, Sensors::Table(_) | Sensors::Dual { .. }) => Err(ConfigError::NoScale("sensors")),
+        }
+    }
+
+    const fn check_gantry(&self, gantry: Option<GantrySettings>) -> Result<(), ConfigError> {
+        match (self.gantry_skew_limit_m, gantry) {
+            (_, None) => Ok(()),
+            (None, Some(_)) => Err(ConfigError::NoGantry("gantry")),
+            (Some(ceiling), Some(gantry)) => {
+                declared_up_to("gantry.skew_limit_m", Some(gantry.skew_limit_m), ceiling)
+            }
         }
     }
 

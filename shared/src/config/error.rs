@@ -68,6 +68,10 @@ pub enum ConfigError {
     },
     /// Uses a linear scale, and the axis has none.
     NoScale(&'static str),
+    /// Of the second motor of a gantry, and another than that of its first motor.
+    NotOfFirstMotor(&'static str),
+    /// The axis cannot be the second motor of a gantry on this board.
+    NoGantry(&'static str),
 }
 
 impl ConfigError {
@@ -86,7 +90,9 @@ impl ConfigError {
             | Self::AboveCeiling { name, .. }
             | Self::BelowFloor { name, .. }
             | Self::NotMonitored { name, .. }
-            | Self::NoScale(name) => name,
+            | Self::NoScale(name)
+            | Self::NotOfFirstMotor(name)
+            | Self::NoGantry(name) => name,
         }
     }
 
@@ -114,6 +120,8 @@ impl ConfigError {
                 write!(f, "a limit of at most {ceiling}, which this board requires")
             }
             Self::NoScale(_) => f.write_str("settings without a linear scale: the axis has none"),
+            Self::NotOfFirstMotor(_) => f.write_str("what the first motor of the gantry has"),
+            Self::NoGantry(_) => f.write_str("an axis of its own: this board has no gantry with it"),
         })
     }
 }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`settings`] | what a person or a file declares for an axis, in SI |
 //! | [`axis`] | the same in machine units: what a tick computes with |
+//! | [`gantry`] | two motors with one command |
 //! | [`envelope`] | the ceilings of the settings of an axis on a board |
 //! | [`error`] | why a setting was rejected, with its name and range |
 //!
@@ -25,12 +26,14 @@ pub mod axis;
 pub(crate) mod check;
 pub mod envelope;
 pub mod error;
+pub mod gantry;
 mod schedule;
 pub mod settings;
 
 pub use axis::{AxisConfig, BrakeTicks, UNLIMITED};
 pub use envelope::AxisEnvelope;
 pub use error::ConfigError;
+pub use gantry::{GantryConfig, GantrySettings};
 pub use settings::{
     AxisSettings, Brake, GainSchedule, Law, LowPass, NOTCHES, Notch, Notches, Rates, SCHEDULE_POINTS,
     ScaleLimits, SchedulePoint, ScheduledOver, Sensors, VelocitySource,

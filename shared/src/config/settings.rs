@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::gantry::GantrySettings;
 pub use crate::control::gain_schedule::{SCHEDULE_POINTS, ScheduledOver};
 use crate::interpolate::Smoothing;
 
@@ -276,6 +277,8 @@ pub struct AxisSettings {
     /// Force with which the drive comes on, N, signed as the force of the controller, at most
     /// [`force_limit_n`](AxisSettings::force_limit_n): the weight of a vertical axis. `None`: not known; the force starts from zero.
     pub preload_n: Option<f64>,
+    /// The gantry of which the axis is the second motor; `None`: it has a command of its own.
+    pub gantry: Option<GantrySettings>,
 }
 
 impl Default for AxisSettings {
@@ -304,6 +307,7 @@ impl Default for AxisSettings {
             stop_deceleration_m_per_s2: 2.0,
             brake: None,
             preload_n: None,
+            gantry: None,
         }
     }
 }

@@ -71,6 +71,8 @@ pub enum DirectionCheckError {
     StepDrive,
     /// The axis has a brake: with open loops it would fall.
     Brake,
+    /// The axis is a motor of a gantry: one motor alone would bend the beam.
+    Gantry,
     /// The setting with this name is out of its range.
     Setting(&'static str),
 }

@@ -16,7 +16,8 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
     ///
     /// # Errors
     /// [`DirectionCheckError::NotReady`] unless the drives are off without a fault and no check, homing or probing runs,
-    /// [`DirectionCheckError::StepDrive`], [`DirectionCheckError::Brake`], [`DirectionCheckError::Setting`]. Nothing is changed then.
+    /// [`DirectionCheckError::StepDrive`], [`DirectionCheckError::Brake`], [`DirectionCheckError::Gantry`], [`DirectionCheckError::Setting`].
+    /// Nothing is changed then.
     pub fn check_direction(
         &mut self,
         axis: usize,
@@ -31,6 +32,9 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
         }
         if self.machine().has_brake(axis) {
             return Err(DirectionCheckError::Brake);
+        }
+        if self.machine().other_motor(axis).is_some() {
+            return Err(DirectionCheckError::Gantry);
         }
         let limit_n = self.machine().force_limit_n(axis).unwrap_or(0.0);
         if !(settings.force_n > 0.0 && settings.force_n <= limit_n) {

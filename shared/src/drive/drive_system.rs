@@ -318,9 +318,11 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
         }
         let onto_switch = self.limit_guard.moves_onto_switch(&self.inputs.axes, commands);
         let homing = self.homing_axis();
+        let homing_too = homing.and_then(|axis| self.machine.second_motor(axis));
         for (axis, (input, onto_switch)) in self.inputs.axes.iter().zip(onto_switch).enumerate() {
             // A homing reacts to the switches itself.
-            let at_limit = onto_switch && homing != Some(axis);
+            let is_homed = [homing, homing_too].contains(&Some(axis));
+            let at_limit = onto_switch && !is_homed;
             let faults = [
                 (FaultKind::DriveFault, input.drive_fault),
                 (FaultKind::EncoderSignal, input.bad_encoder_signal),

@@ -26,6 +26,10 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
 
     /// Stops a homing or a probing; the axis decelerates to rest. No effect if none runs.
     pub fn stop_sequence(&mut self) {
+        if let Some(axis) = self.homing_axis() {
+            // Also a gantry that was not square yet stays as it is.
+            self.machine_mut().lose_reference(axis);
+        }
         if let Some((axis, sequence)) = self.sequence.as_mut().filter(|(_, sequence)| sequence.is_running()) {
             sequence.stop();
             let axis = *axis;

@@ -26,6 +26,8 @@ pub enum HomingError {
     HeldFast,
     /// The axis carries a weight, as its brake or its preload says: with a force limit it may fall.
     Weight,
+    /// The axis is a motor of a gantry, whose motors are homed together, and not to a hard stop.
+    Gantry,
     /// A limit switch that does not belong to this part of the homing.
     LimitSwitch,
     /// There is no reading of the scale that the axis uses.
@@ -59,6 +61,9 @@ impl core::fmt::Display for HomingError {
             Self::HeldFast => "the axis does not move away from the hard stop: friction needs more force",
             Self::Weight => {
                 "the axis carries a weight, and may fall with a limited force: it needs a home switch"
+            }
+            Self::Gantry => {
+                "the axis is a motor of a gantry, whose motors are homed together, and not to a hard stop"
             }
             Self::LimitSwitch => "a limit switch was reached",
             Self::ScaleMissing => "the linear scale has no reading",

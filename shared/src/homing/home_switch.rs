@@ -62,6 +62,8 @@ pub struct Homing {
     index_distance: u64,
     mark: Position,
     needs_scale: bool,
+    /// The first tick has decided which leg is the first. A leg is planned for longer than a tick, in which it must not change.
+    has_started: bool,
 }
 
 impl Homing {
@@ -78,7 +80,7 @@ impl Homing {
         let mark =
             Position::from_m(settings.mark_position_m).ok_or(HomingError::Setting("mark_position_m"))?;
         let progress = Progress::new(Leg::Search, ticks_left);
-        Ok(Self { settings: *settings, progress, index_distance, mark, needs_scale })
+        Ok(Self { settings: *settings, progress, index_distance, mark, needs_scale, has_started: false })
     }
 
     /// The state.
@@ -87,10 +89,13 @@ impl Homing {
         self.progress.status()
     }
 
-    /// The motion to plan now, if the homing waits for one. [`Homing::leg_planned`] has to follow.
+    /// The motion to plan now, if the homing waits for one: none before the first tick. [`Homing::leg_planned`] has to follow.
     #[must_use]
     pub const fn leg_to_plan(&self) -> Option<LegMotion> {
         let Phase::Planning(leg) = self.progress.phase else { return None };
+        if !self.has_started {
+            return None;
+        }
         let HomingSettings { direction, search_speed_m_per_s, approach_speed_m_per_s, .. } = self.settings;
         let forwards = direction.sign();
         let (distance_m, speed_m_per_s) = match leg {
@@ -128,7 +133,7 @@ impl Homing {
             Err(action) => return action,
         };
         match phase {
-            Phase::Planning(Leg::Search) => self.start(input),
+            Phase::Planning(_) if !self.has_started => self.start(input),
             Phase::Planning(_) | Phase::Ended(_) => None,
             Phase::Moving(leg) => self.moving(leg, input),
             Phase::Stopping(_) if !input.at_rest => None,
@@ -139,6 +144,7 @@ impl Homing {
 
     /// At the start the axis can be on a switch.
     fn start(&mut self, input: &HomingInput) -> Option<HomingAction> {
+        self.has_started = true;
         if input.home {
             self.progress.phase = Phase::Planning(Leg::BackOff { on_switch: true });
         } else if at_limit(self.settings.direction, input) {

@@ -36,6 +36,10 @@ pub enum HomingAction {
     Halt,
     /// The axis is at rest: shift its origin.
     SetOrigin(OriginShift),
+    /// The second motor of a gantry is at rest: shift its origin, and move it to a square beam.
+    Square(OriginShift),
+    /// The beam is square: both motors are homed.
+    GantryHomed,
 }
 
 /// The motion of a leg.

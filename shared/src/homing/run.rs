@@ -1,16 +1,18 @@
-//! A homing of either kind.
+//! A homing of any kind.
 
 use super::interface::{HomingAction, HomingInput, HomingStatus, LegMotion};
-use super::{HardStop, Homing};
+use super::{GantryHoming, HardStop, Homing};
 use crate::interpolate::PathError;
 
-/// A homing to the mark of a home switch, or to a hard stop.
+/// A homing to the mark of a home switch, to a hard stop, or of both motors of a gantry.
 #[derive(Clone, Copy, Debug)]
 pub enum HomingRun {
     /// To a mark.
     ToMark(Homing),
     /// To a hard stop.
     ToStop(HardStop),
+    /// Of a gantry.
+    OfGantry(GantryHoming),
 }
 
 impl HomingRun {
@@ -20,6 +22,7 @@ impl HomingRun {
         match self {
             Self::ToMark(homing) => homing.status(),
             Self::ToStop(homing) => homing.status(),
+            Self::OfGantry(homing) => homing.status(),
         }
     }
 
@@ -29,11 +32,25 @@ impl HomingRun {
         self.status() == HomingStatus::Running
     }
 
+    /// Whether the inputs of a tick are those of the second motor of a gantry.
+    #[must_use]
+    pub const fn is_at_second_motor(&self) -> bool {
+        matches!(self, Self::OfGantry(homing) if homing.is_at_second())
+    }
+
+    /// The beam of a gantry has the command to be square.
+    pub const fn squared(&mut self) -> Option<HomingAction> {
+        match self {
+            Self::OfGantry(homing) => homing.squared(),
+            Self::ToMark(_) | Self::ToStop(_) => None,
+        }
+    }
+
     /// The force limit of its axis now, N; `None`: that of its settings.
     #[must_use]
     pub fn force_limit_n(&self) -> Option<f64> {
         match self {
-            Self::ToMark(_) => None,
+            Self::ToMark(_) | Self::OfGantry(_) => None,
             Self::ToStop(homing) => homing.force_limit_n(),
         }
     }
@@ -44,6 +61,7 @@ impl HomingRun {
         match self {
             Self::ToMark(homing) => homing.leg_to_plan(),
             Self::ToStop(homing) => homing.leg_to_plan(),
+            Self::OfGantry(homing) => homing.leg_to_plan(),
         }
     }
 
@@ -52,6 +70,7 @@ impl HomingRun {
         match self {
             Self::ToMark(homing) => homing.leg_planned(planned),
             Self::ToStop(homing) => homing.leg_planned(planned),
+            Self::OfGantry(homing) => homing.leg_planned(planned),
         }
     }
 
@@ -60,6 +79,7 @@ impl HomingRun {
         match self {
             Self::ToMark(homing) => homing.stop(),
             Self::ToStop(homing) => homing.stop(),
+            Self::OfGantry(homing) => homing.stop(),
         }
     }
 
@@ -68,6 +88,7 @@ impl HomingRun {
         match self {
             Self::ToMark(homing) => homing.tick(input),
             Self::ToStop(homing) => homing.tick(input),
+            Self::OfGantry(homing) => homing.tick(input),
         }
     }
 }

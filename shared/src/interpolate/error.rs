@@ -46,6 +46,11 @@ pub enum PathError {
         /// Axis, counted from 0.
         axis: u8,
     },
+    /// The block moves the second motor of a gantry, which has the command of the first.
+    SecondMotor {
+        /// Axis, counted from 0.
+        axis: u8,
+    },
 }
 
 /// The number of a block that a [`PathError`] refers to.
@@ -93,6 +98,9 @@ impl core::fmt::Display for PathError {
                 write!(f, "axis {axis}: the block leads onto an active limit switch")
             }
             Self::NotHomed { axis } => write!(f, "axis {axis}: it has to be homed before a program moves it"),
+            Self::SecondMotor { axis } => {
+                write!(f, "axis {axis}: it is the second motor of a gantry, and moves with the first")
+            }
             Self::NotConfigured => write!(f, "the machine has no settings yet"),
             Self::Following => write!(f, "an axis follows a counter"),
             Self::Interrupted => {

@@ -5,12 +5,14 @@ mod feed;
 mod followers;
 mod following;
 mod queue_copy;
+mod second_motors;
 mod stop;
 
 use heapless::Deque;
 
 use brake::Brake;
 use followers::Followers;
+use second_motors::SecondMotors;
 
 use super::block::Block;
 use super::error::PathError;
@@ -52,6 +54,7 @@ pub struct Path<const N: usize> {
     blocks: Deque<PlannedBlock<N>, QUEUE>,
     /// The axes that follow counters, in the courses of that name.
     followers: Followers<N>,
+    second_motors: SecondMotors<N>,
 }
 
 /// What the next command is from.
@@ -84,6 +87,7 @@ impl<const N: usize> Path<N> {
         travel: [[Position(i64::MIN), Position(i64::MAX)]; N],
         blocked: [[false; 2]; N],
         followers: Followers::NONE,
+        second_motors: SecondMotors::NONE,
     };
 
     /// An empty path at `start` with a command every 1/`rate_hz`.
@@ -109,6 +113,7 @@ impl<const N: usize> Path<N> {
         self.rest_at(start);
         (self.rate_hz, self.filters, self.travel) = (rate_hz, filters, Self::AT_ZERO.travel);
         self.blocked = [[false; 2]; N];
+        self.second_motors = SecondMotors::NONE;
     }
 
     /// Sets which limit switches are active: blocks that move an axis further onto one are rejected.
@@ -136,8 +141,9 @@ impl<const N: usize> Path<N> {
     /// # Errors
     /// [`PathError`], for such an axis [`PathError::NotHomed`]; the path is unchanged.
     pub fn push_holding(&mut self, block: &Block<N>, not_homed: &[bool; N]) -> Result<(), PathError> {
-        let mut planned = PlannedBlock::new(block, self.planned_end, self.rate_hz, &self.filters.rounding)?;
         let from = self.planned_end;
+        let block = &self.second_motors.without(block, from);
+        let mut planned = PlannedBlock::new(block, from, self.rate_hz, &self.filters.rounding)?;
         self.check_planned(&planned, from, not_homed)?;
         if self.blocks.is_full() {
             return Err(PathError::QueueFull);
@@ -158,7 +164,7 @@ impl<const N: usize> Path<N> {
         Ok(())
     }
 
-    /// Checks a block as [`Path::push_holding`] does, for a start of its own. Returns its end.
+    /// Checks a block as [`Path::push_holding`] does, for a start of its own, and that it moves no second motor of a gantry. Returns its end.
     ///
     /// # Errors
     /// The [`PathError`] that names what is wrong.
@@ -168,6 +174,8 @@ impl<const N: usize> Path<N> {
         start: [Position; N],
         not_homed: &[bool; N],
     ) -> Result<[Position; N], PathError> {
+        self.second_motors.check(block, start)?;
+        let block = &self.second_motors.without(block, start);
         let planned = PlannedBlock::new(block, start, self.rate_hz, &self.filters.rounding)?;
         self.check_planned(&planned, start, not_homed)?;
         Ok(planned.end())
@@ -188,7 +196,8 @@ impl<const N: usize> Path<N> {
     }
 
     fn check_travel(&self, block: &PlannedBlock<N>, from: [Position; N]) -> Result<(), PathError> {
-        let axes = block.bounds().into_iter().zip(self.travel).zip(from).zip(self.blocked);
+        let blocked = self.second_motors.blocked(self.blocked);
+        let axes = block.bounds().into_iter().zip(self.travel).zip(from).zip(blocked);
         for (axis, ((([min, max], [lower, upper]), start), [below, above])) in (0..).zip(axes) {
             if min < lower.min(start) || max > upper.max(start) {
                 return Err(PathError::BeyondTravel { axis });

@@ -3,6 +3,7 @@
 mod excitation;
 mod feed_override;
 mod following;
+mod gantry;
 mod halts;
 mod measuring;
 mod probing;
@@ -313,8 +314,9 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
     /// Starts to home an axis.
     ///
     /// # Errors
-    /// As [`HostedDrive::can_start`]; [`Refusal::Homing`].
+    /// As [`HostedDrive::can_start`]; [`Refusal::SecondMotor`], [`Refusal::Homing`].
     pub fn home(&mut self, axis: usize, settings: &HomingSettings) -> Result<(), Refusal> {
+        self.has_own_command(axis)?;
         self.can_start()?;
         let started = self.system.home(axis, settings);
         self.homing_started(started)
@@ -329,6 +331,7 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
         axis: usize,
         settings: &HardStopSettings,
     ) -> Result<(), Refusal> {
+        self.has_own_command(axis)?;
         self.can_start()?;
         if !self.system.follows_force(axis) {
             return Err(Refusal::NotAvailable);

@@ -234,6 +234,7 @@ impl From<Halt> for Request {
 
 /// The reply to a request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(clippy::large_enum_variant, reason = "one reply at a time, and nothing to allocate it from")]
 pub enum Reply {
     /// A session is open, or what the board is.
     Welcome(Welcome),

@@ -130,6 +130,13 @@ pub enum Refusal {
     Probe(ProbeError),
     /// The axis cannot follow the counter.
     Follow(FollowError),
+    /// The axis is the second motor of a gantry, and moves with the first.
+    SecondMotor {
+        /// Axis.
+        axis: u8,
+        /// Axis of the first motor.
+        first: u8,
+    },
 }
 
 /// Why the direction of an axis cannot be checked.
@@ -145,6 +152,8 @@ pub enum DirectionProblem {
     Setting,
     /// The axis has a brake: with open loops it would fall.
     Brake,
+    /// The axis is a motor of a gantry: one motor alone would bend the beam.
+    Gantry,
 }
 
 /// What is wrong with an upload.
@@ -220,6 +229,10 @@ pub enum SettingProblem {
     },
     /// Uses a linear scale, and the axis has none.
     NoScale,
+    /// Of the second motor of a gantry, and another than that of its first motor.
+    NotOfFirstMotor,
+    /// The axis cannot be the second motor of a gantry on this board.
+    NoGantry,
 }
 
 /// A name, cut to its capacity.
@@ -233,6 +246,7 @@ impl From<DirectionCheckError> for Refusal {
             DirectionCheckError::NotReady => DirectionProblem::NotReady,
             DirectionCheckError::StepDrive => DirectionProblem::StepDrive,
             DirectionCheckError::Brake => DirectionProblem::Brake,
+            DirectionCheckError::Gantry => DirectionProblem::Gantry,
             DirectionCheckError::Setting("force_n") => DirectionProblem::Force,
             DirectionCheckError::Setting(_) => DirectionProblem::Setting,
         })
@@ -278,6 +292,8 @@ impl From<MachineError> for Refusal {
                 (setting, SettingProblem::NotMonitored { ceiling })
             }
             ConfigError::NoScale(setting) => (setting, SettingProblem::NoScale),
+            ConfigError::NotOfFirstMotor(setting) => (setting, SettingProblem::NotOfFirstMotor),
+            ConfigError::NoGantry(setting) => (setting, SettingProblem::NoGantry),
         };
         Self::Setting { axis, name: name(setting), problem }
     }

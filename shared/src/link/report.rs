@@ -119,6 +119,17 @@ pub struct AxisStatus {
     pub counter: Option<u32>,
     /// How far its command is from the setpoint of a counter that it follows, position units.
     pub lag: Option<i64>,
+    /// The gantry of which it is the second motor.
+    pub gantry: Option<GantryStatus>,
+}
+
+/// The second motor of a gantry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct GantryStatus {
+    /// Axis of its first motor.
+    pub first: u8,
+    /// Position of the second motor less that of the first, from the square beam if the gantry is homed, position units.
+    pub skew: i64,
 }
 
 /// The homing that ran last, if no probing has run since.
@@ -173,6 +184,7 @@ pub enum HomingFailure {
     Stopped,
     DrivesOff,
     Path(PathError),
+    Gantry,
 }
 
 impl From<HomingError> for HomingFailure {
@@ -188,6 +200,7 @@ impl From<HomingError> for HomingFailure {
             HomingError::StopYields => Self::StopYields,
             HomingError::HeldFast => Self::HeldFast,
             HomingError::Weight => Self::Weight,
+            HomingError::Gantry => Self::Gantry,
             HomingError::LimitSwitch => Self::LimitSwitch,
             HomingError::ScaleMissing => Self::ScaleMissing,
             HomingError::Timeout => Self::Timeout,

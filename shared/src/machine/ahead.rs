@@ -40,7 +40,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
         } else {
             self.complete();
         }
-        self.commands = self.path.command();
+        self.commands = self.path_commands();
     }
 
     /// Computes what is missing of the next commands.
@@ -58,6 +58,9 @@ impl<S: Scalar, const N: usize> State<S, N> {
     fn advance_path(&mut self) {
         if !matches!(self.power, Power::Enabling) {
             self.path.advance();
+            if self.has_gantry {
+                self.gantries.advance();
+            }
         }
     }
 
@@ -65,7 +68,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
     #[inline]
     fn correct_commands(&mut self) {
         let is_at_segment_end = self.path.take_segment_end();
-        self.compensation.advance(&self.path.command(), is_at_segment_end);
+        self.compensation.advance(&self.path_commands(), is_at_segment_end);
         self.compensation.correct_commands();
     }
 }

@@ -2,7 +2,7 @@
 
 use super::error::MachineError;
 use super::reference::Reference;
-use crate::config::{AxisConfig, AxisSettings, Rates, Sensors, UNLIMITED};
+use crate::config::{AxisConfig, AxisSettings, GantryConfig, Rates, Sensors, UNLIMITED};
 use crate::control::gain_schedule::Schedule;
 use crate::interpolate::Smoothing;
 use crate::interpolate::smooth::Filters;
@@ -28,6 +28,8 @@ pub struct MachineConfig<S: Scalar, const N: usize> {
     /// Whether the positions of each axis are absolute.
     pub(super) are_homed: [bool; N],
     pub(super) schedules: [Option<Schedule<S>>; N],
+    /// The gantry of each axis that is the second motor of one.
+    pub(super) gantries: [Option<GantryConfig>; N],
 }
 
 impl<S: Scalar, const N: usize> MachineConfig<S, N> {
@@ -47,7 +49,15 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         let smoothing = settings.each_ref().map(|axis| axis.smoothing);
         let filters = Filters::new(&smoothing, rates.position_loop_hz())?;
         let sensors = settings.each_ref().map(|axis| axis.sensors);
-        let axes: [AxisConfig<S>; N] = core::array::from_fn(|i| axes[i]);
+        let gantries = GantryConfig::of_axes(settings, rates)
+            .map_err(|(axis, error)| MachineError::Config { axis, error })?;
+        let mut axes: [AxisConfig<S>; N] = core::array::from_fn(|i| axes[i]);
+        // The soft limits of a beam are those of its first motor.
+        for (axis, gantry) in axes.iter_mut().zip(gantries) {
+            if gantry.is_some() {
+                axis.monitor.travel = UNLIMITED;
+            }
+        }
         let soft_limits = axes.each_ref().map(|axis| axis.monitor.travel);
         let is_scheduled = schedules.iter().any(Option::is_some);
         Ok(Self {
@@ -60,11 +70,15 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
             is_scheduled,
             are_homed: [true; N],
             schedules,
+            gantries,
         })
     }
 
     /// Replaces the constants of an axis.
-    pub(super) fn replace(&mut self, axis: usize, config: AxisConfig<S>, reference: Reference) {
+    pub(super) fn replace(&mut self, axis: usize, mut config: AxisConfig<S>, reference: Reference) {
+        if self.gantries.get(axis).is_some_and(Option::is_some) {
+            config.monitor.travel = UNLIMITED;
+        }
         if let (Some(slot), Some(soft_limits)) = (self.axes.get_mut(axis), self.soft_limits.get_mut(axis)) {
             (*slot, *soft_limits) = (config, config.monitor.travel);
         }

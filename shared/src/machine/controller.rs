@@ -2,6 +2,7 @@
 
 mod between_ticks;
 mod following;
+mod gantry;
 
 use super::config::MachineConfig;
 use super::error::MachineError;
@@ -81,6 +82,10 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         ) else {
             return Err(MachineError::NoSuchAxis);
         };
+        let gantry = settings.gantry.map(|gantry| usize::from(gantry.first));
+        if gantry != config.gantries.get(axis).and_then(|gantry| gantry.map(|gantry| gantry.first)) {
+            return Err(rejected(ConfigError::NotWhileRunning("gantry")));
+        }
         let changed = AxisConfig::new(settings, config.rates).map_err(rejected)?;
         let schedule = AxisConfig::schedule(settings, config.rates).map_err(rejected)?;
         if settings.smoothing != *smoothing {
@@ -152,10 +157,16 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         self.references.of(axis)
     }
 
-    /// Declares the positions of an axis as relative to those at power-up. Its soft limits and what depends on its position are
-    /// held off; corrections return to zero at their limited rates.
+    /// Declares the positions of an axis as relative to those at power-up, and of the other motor of its gantry. Its soft limits and what
+    /// depends on its position are held off; corrections return to zero at their limited rates.
     pub fn lose_reference(&mut self, axis: usize) {
         self.set_reference(axis, Reference::Relative);
+        if let Some(other) = self.other_motor(axis) {
+            self.set_reference(other, Reference::Relative);
+            for motor in [axis, other] {
+                self.state.gantries.set_referenced(motor, false);
+            }
+        }
     }
 
     fn set_reference(&mut self, axis: usize, reference: Reference) {
@@ -168,7 +179,8 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     }
 
     /// Sets the origin of an axis: from the next tick on, its readings are shifted by `shift`. The command is shifted with
-    /// them, so that the loops continue without a step, and the axis is homed.
+    /// them, so that the loops continue without a step, and the axis is homed. A motor of a gantry is homed with the other one
+    /// ([`Machine::square`], [`Machine::gantry_homed`]).
     ///
     /// # Errors
     /// [`MachineError::PathRunning`] unless the path is done, [`MachineError::NoSuchAxis`]. Nothing is changed then.
@@ -178,11 +190,13 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
             return Err(MachineError::PathRunning);
         }
         self.state.shift_origin(config, axis, shift);
-        self.set_reference(axis, Reference::Homed);
+        if self.other_motor(axis).is_none() {
+            self.set_reference(axis, Reference::Homed);
+        }
         Ok(())
     }
 
-    /// Plans a block and appends it to the queue. Not part of a tick.
+    /// Plans a block and appends it to the queue. Not part of a tick. What it says of the second motor of a gantry is not used.
     ///
     /// # Errors
     /// [`PathError`], [`PathError::NotHomed`] for an axis with soft limits that is not homed; nothing is changed then.

@@ -8,6 +8,7 @@ mod brakes;
 mod config;
 mod controller;
 mod error;
+mod gantry;
 mod output;
 mod reference;
 mod state;

@@ -2,6 +2,7 @@
 
 use super::brakes::Brakes;
 use super::config::MachineConfig;
+use super::gantry::Gantries;
 use super::output::Output;
 use crate::axis::AxisState;
 use crate::compensate::Compensation;
@@ -38,6 +39,8 @@ pub(super) struct State<S: Scalar, const N: usize> {
     pub ahead: Ahead,
     /// Whether the path was done before it was advanced ahead.
     pub was_done: bool,
+    /// Whether there is a gantry: one test for all that follows from it.
+    pub has_gantry: bool,
     /// The commands that the position loops follow, without corrections.
     pub commands: [Position; N],
     pub brakes: Brakes,
@@ -46,6 +49,7 @@ pub(super) struct State<S: Scalar, const N: usize> {
     pub axes: [AxisState<S>; N],
     pub compensation: Compensation<S, N>,
     pub path: Path<N>,
+    pub gantries: Gantries<N>,
 }
 
 impl<S: Scalar, const N: usize> State<S, N> {
@@ -61,6 +65,8 @@ impl<S: Scalar, const N: usize> State<S, N> {
         was_on: false,
         ahead: Ahead::Nothing,
         was_done: false,
+        has_gantry: false,
+        gantries: Gantries::NONE,
         commands: [Position(0); N],
         brakes: Brakes::CLOSED,
         excitation: [S::ZERO; N],
@@ -72,6 +78,9 @@ impl<S: Scalar, const N: usize> State<S, N> {
         self.compensation.reset(start);
         self.path.reset(start, config.rates.position_loop_hz(), config.filters);
         self.path.set_travel(config.travel());
+        self.path.set_second_motors(config.gantries.map(|gantry| gantry.map(|gantry| gantry.first)));
+        self.has_gantry = config.gantries.iter().any(Option::is_some);
+        self.gantries.reset(&config.gantries, start);
         self.until_position_tick = 0;
         self.power = Power::Off;
         self.warning = None;
@@ -130,7 +139,18 @@ impl<S: Scalar, const N: usize> State<S, N> {
     /// The path and the loops rest at commands.
     pub fn rest_at(&mut self, commands: &[Position; N]) {
         self.path.rest_at(commands);
+        self.gantries.rest_at(commands);
         (self.commands, self.ahead) = (*commands, Ahead::Nothing);
+    }
+
+    /// The commands of the path, with those of the second motors of gantries.
+    #[inline]
+    pub fn path_commands(&self) -> [Position; N] {
+        let mut commands = self.path.command();
+        if self.has_gantry {
+            self.gantries.couple(&mut commands);
+        }
+        commands
     }
 
     /// Whether the last tick ran the position loops.
@@ -153,6 +173,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
         self.path.rest_at(&commands);
         self.commands = commands;
         self.compensation.shift(index, shift);
+        self.gantries.shift(index, shift);
     }
 
     /// Raises the faults of each axis.

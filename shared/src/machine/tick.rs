@@ -105,6 +105,12 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
             state.power = state.power.after(Event::Inhibit(fault));
             return;
         }
+        if state.has_gantry
+            && let Some(fault) = self.skewed(state, readings)
+        {
+            state.power = state.power.after(Event::Inhibit(fault));
+            return;
+        }
         let displaced = self.displaced(state, readings);
         if displaced.is_some() {
             self.hold_axes(state, readings);
@@ -129,6 +135,16 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         };
         let mut axes = (0..).zip(self.axes.iter().zip(readings).map(missing));
         axes.find(|(_, missing)| *missing).map(|(axis, _)| Fault::Axis { axis, kind: FaultKind::ScaleLost })
+    }
+
+    /// The first gantry with more skew than its limit. Its motors are where commands would hold them: without the corrections of their own
+    /// screws and scales.
+    #[cold]
+    #[inline(never)]
+    fn skewed(&self, state: &mut State<S, N>, readings: &[Reading; N]) -> Option<Fault> {
+        let positions = self.holding_commands(state, readings);
+        let axis = u8::try_from(state.gantries.skewed(&positions)?).unwrap_or(u8::MAX);
+        Some(Fault::Axis { axis, kind: FaultKind::GantrySkew })
     }
 
     /// The first axis that is away from the start of the path.
@@ -190,6 +206,11 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
             *faults = axis.position_tick(config, command, correction, *reading);
         }
         state.raise(self, faults);
+        if state.has_gantry
+            && let Some(fault) = self.skewed(state, readings)
+        {
+            state.fault(self, fault);
+        }
         if !state.path.is_planned() {
             self.not_planned(state);
         }

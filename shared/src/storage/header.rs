@@ -5,7 +5,7 @@ use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use super::error::SlotError;
 
 /// Version of the format and of the messages in it. To be raised with every change of a stored type.
-pub const VERSION: u16 = 7;
+pub const VERSION: u16 = 8;
 
 /// Length of a header in bytes.
 pub(super) const HEADER: usize = 32;

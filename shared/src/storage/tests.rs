@@ -150,12 +150,15 @@ fn survives_a_loss_at_every_byte<const WORD: usize>(seed: u64) {
         let mut flash = Failing::new(&before, bytes_left, seed.wrapping_add(bytes_left as u64));
         assert_eq!(save(&mut flash, &new), Err(StorageError::Flash), "loss at byte {bytes_left}");
         let mut after = flash.memory;
-        assert_eq!(load(&mut after), Ok(old.clone()), "loss at byte {bytes_left}");
+        // The last byte of the header may be one that an erased or torn word has already.
+        let is_complete = bytes_left + 1 == total && after.bytes_mut() == complete.memory.bytes_mut();
+        let expected = if is_complete { &new } else { &old };
+        assert_eq!(load(&mut after).as_ref(), Ok(expected), "loss at byte {bytes_left}");
         // A second loss during the next save, here after every 41st byte.
         for bytes_left in (0..512 + 200 + 34).step_by(41) {
             let mut flash = Failing::new(&after, bytes_left, seed ^ bytes_left as u64);
             assert_eq!(save(&mut flash, &third), Err(StorageError::Flash));
-            assert_eq!(load(&mut flash.memory), Ok(old.clone()));
+            assert_eq!(load(&mut flash.memory).as_ref(), Ok(expected));
         }
         save(&mut after, &third).unwrap();
         assert_eq!(load(&mut after), Ok(third.clone()));
@@ -316,8 +319,8 @@ fn the_version_is_that_of_the_stored_types() {
     use crate::compensate::CompensationSettings;
     use crate::compensate::settings::{Cycle, ForceModel, Reversal};
     use crate::config::{
-        AxisSettings, GainSchedule, Notch, Notches, Rates, ScaleLimits, SchedulePoint, ScheduledOver,
-        Sensors, VelocitySource,
+        AxisSettings, GainSchedule, GantrySettings, Notch, Notches, Rates, ScaleLimits, SchedulePoint,
+        ScheduledOver, Sensors, VelocitySource,
     };
     use crate::link::message::{BoardSettings, UploadKind};
     let axis = AxisSettings {
@@ -329,6 +332,7 @@ fn the_version_is_that_of_the_stored_types() {
         ),
         velocity_source: VelocitySource::Observer { bandwidth_hz: 300.0 },
         travel_m: Some([-0.125, 0.5]),
+        gantry: Some(GantrySettings { first: 1, skew_limit_m: 0.25, reference_offset_m: -0.5 }),
         ..AxisSettings::default()
     };
     let compensation = CompensationSettings {
@@ -356,5 +360,5 @@ fn the_version_is_that_of_the_stored_types() {
     assert_eq!(reader.message::<CompensationSettings, _>(&mut store, &mut buffer), Ok(compensation));
     let header = &store.flash.bytes_mut()[..32];
     let checksum = u32::from_le_bytes([header[20], header[21], header[22], header[23]]);
-    assert_eq!((VERSION, checksum), (7, 0xc792_f41b));
+    assert_eq!((VERSION, checksum), (8, 0x4b30_bc42));
 }

@@ -52,6 +52,7 @@ const fn default_settings() -> AxisSettings {
         stop_deceleration_m_per_s2: 1.0,
         brake: None,
         preload_n: None,
+        gantry: None,
     }
 }
 

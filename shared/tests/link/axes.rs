@@ -9,7 +9,7 @@ use shared::link::board_settings::UploadedSettings;
 use shared::link::message::{BoardSettings, FromBoard, MAX_AXES, PerAxis, Reply, Request};
 use shared::link::packet;
 use shared::link::refusal::UploadError;
-use shared::link::report::AxisStatus;
+use shared::link::report::{AxisStatus, GantryStatus};
 use shared::link::steps::ListedSteps;
 use shared::link::{Frame, Header, Refusal};
 use shared::units::Position;
@@ -140,6 +140,7 @@ fn the_state_of_four_axes_fits_a_packet() {
         rms: Some(AxisRms { error_nm: 1e30, force_n: 1e30 }),
         counter: Some(u32::MAX),
         lag: Some(i64::MIN),
+        gantry: Some(GantryStatus { first: u8::MAX, skew: i64::MIN }),
     };
     status.axes = std::iter::repeat_n(axis, MAX_AXES).collect();
     status.link.packets = u32::MAX;

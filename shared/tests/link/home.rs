@@ -114,6 +114,7 @@ fn a_limit_switch_of_another_axis_stops_a_homing() {
         let mut rig = rig();
         rig.enable();
         rig.drive.home(0, &HOMING).unwrap();
+        rig.drive.tick(&mut rig.plant);
         // The first leg, in which y moves in the positive direction, too.
         let mut leg = rig.drive.leg().unwrap();
         let Shape::Line { to_m: [_, y_m] } = &mut leg.shape else { panic!("{leg:?}") };

@@ -7,6 +7,7 @@ mod direction;
 mod envelope;
 mod excitation;
 mod following;
+mod gantry;
 mod garbage;
 mod halts;
 mod hard_stop;

@@ -63,6 +63,7 @@ pub static ENVELOPE: Envelope<2> = Envelope {
         scale_disagreement_limit_m: Some(1e-3),
         stop_deceleration_m_per_s2: 0.5,
         excitation_limit_n: 120.0,
+        gantry_skew_limit_m: Some(1e-3),
     }; 2],
     supply: SupplyLimits { min_bus_mv: 36_000, max_bus_mv: 56_000, max_temperature_mc: 80_000 },
 };
@@ -111,6 +112,8 @@ pub struct TestPlant {
     pub late: bool,
     /// Range in which the home switch of x is active, m.
     pub home_switch_m: Option<[f64; 2]>,
+    /// Range in which the home switch of y is active, m.
+    pub second_switch_m: Option<[f64; 2]>,
     /// Where a workpiece begins that the probe of x touches, m; it extends away from zero.
     pub workpiece_m: Option<f64>,
     /// Active limit switches of each axis, at the negative and the positive end.
@@ -171,13 +174,20 @@ impl TestPlant {
 
 impl Board<2, DriveSignal> for TestPlant {
     fn inputs(&mut self) -> Inputs<2> {
-        let [x_m, _] = self.position_m;
-        let home = self.home_switch_m.is_some_and(|[from_m, to_m]| (from_m..=to_m).contains(&x_m));
+        let [x_m, y_m] = self.position_m;
+        let is_in = |range: Option<[f64; 2]>, at_m| {
+            range.is_some_and(|[from_m, to_m]| (from_m..=to_m).contains(&at_m))
+        };
+        let (home, y_home) = (is_in(self.home_switch_m, x_m), is_in(self.second_switch_m, y_m));
         let [mut x, mut y] = self.limits.map(|limits| AxisInputs { limits, ..AxisInputs::NONE });
         [x.counter, y.counter] = self.counters;
         let touches = self.workpiece_m.is_some_and(|at_m| at_m.signum() * (x_m - at_m) >= 0.0);
         let probe_touched = self.contact.sample(touches);
-        Inputs { axes: [AxisInputs { home, ..x }, y], probe_touched, ..Inputs::NONE }
+        Inputs {
+            axes: [AxisInputs { home, ..x }, AxisInputs { home: y_home, ..y }],
+            probe_touched,
+            ..Inputs::NONE
+        }
     }
 
     fn readings(&mut self) -> [Reading; 2] {

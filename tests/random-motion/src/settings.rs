@@ -63,6 +63,7 @@ pub fn axis(draws: &mut Draws, gain_error: f64) -> AxisSettings {
             .one_in(4)
             .then(|| Brake { release_s: draws.between(0.0, 2e-3), engage_s: draws.between(0.0, 2e-3) }),
         preload_n: draws.maybe(|draws| draws.between(-50.0, 50.0)),
+        gantry: None,
         velocity_source: draws
             .maybe(|draws| draws.between(100.0, 2000.0))
             .map_or(VelocitySource::Difference, |bandwidth_hz| VelocitySource::Observer { bandwidth_hz }),

@@ -42,7 +42,7 @@ fn cost(part: &str, format: &str) -> (u32, u32) {
 
 #[test]
 fn the_cost_of_a_tick_is_that_of_its_parts() {
-    for (format, limit) in [("fixed", 2255), ("f32", 3380), ("f64", 32_700)] {
+    for (format, limit) in [("fixed", 2285), ("f32", 3390), ("f64", 32_700)] {
         let (median, max) = cost("tick of two axes, all on", format);
         // Two axes with their loops and filters, and the path on its cheapest shape.
         let of = |part| cost(part, format).0;
@@ -56,7 +56,7 @@ fn the_cost_of_a_tick_is_that_of_its_parts() {
     }
     // The set of compensations for which the aim of 1600 instructions was set, and with which it took 2668.
     let (median, max) = cost("tick, nine compensations", "fixed");
-    assert!(median <= 1680 && max <= 1955 && 100 * max <= 120 * median, "{median}, {max}");
+    assert!(median <= 1715 && max <= 1990 && 100 * max <= 120 * median, "{median}, {max}");
     // At a feed override the path takes longer. The worst tick is still within half of the 8400 cycles of a board, as an instruction may
     // take two of them.
     let path = |part| cost(part, "all").1;

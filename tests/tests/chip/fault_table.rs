@@ -23,7 +23,7 @@ enum Does {
 }
 
 /// Faults of an axis.
-const OF_AN_AXIS: [(FaultKind, Does); 13] = [
+const OF_AN_AXIS: [(FaultKind, Does); 14] = [
     (FaultKind::FollowingError, Does::Off),
     (FaultKind::Disagreement, Does::Off),
     (FaultKind::EncoderStep, Does::Off),
@@ -31,6 +31,7 @@ const OF_AN_AXIS: [(FaultKind, Does); 13] = [
     (FaultKind::ScaleFrozen, Does::Off),
     (FaultKind::DriveFault, Does::Off),
     (FaultKind::EncoderSignal, Does::Off),
+    (FaultKind::GantrySkew, Does::Off),
     (FaultKind::ForceSaturated, Does::Stop),
     (FaultKind::SoftLimit, Does::Stop),
     (FaultKind::LimitSwitch, Does::Stop),
@@ -191,7 +192,7 @@ impl Side {
             }
         }
         println!("{cases} cases");
-        assert_eq!(cases, 5 * (2 * 13 + 9));
+        assert_eq!(cases, 5 * (2 * 14 + 9));
     }
 }
 

@@ -54,6 +54,7 @@ fn the_envelope_is_that_of_the_page() {
         scale_disagreement_limit_m: Some(1e-3),
         stop_deceleration_m_per_s2: 0.5,
         excitation_limit_n: 120.0,
+        gantry_skew_limit_m: Some(2e-3),
     };
     assert_eq!(ENVELOPE.axes, [axis; 2]);
     let supply = SupplyLimits { min_bus_mv: 36_000, max_bus_mv: 60_000, max_temperature_mc: 80_000 };

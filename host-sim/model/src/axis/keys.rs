@@ -109,6 +109,15 @@ macro_rules! axis_keys {
                 /// Time from the output of the board until the brake holds the axis.
                 brake_engage_s: Option<f64> [UpTo(Brake::LONGEST_S)],
             }
+            /// The gantry of which the axis is the second motor: it has the command of the first.
+            gantry: Gantry {
+                /// Name of the axis of the first motor; absent: the axis has a command of its own.
+                gantry_with: Option<AxisName>,
+                /// Largest skew. If exceeded, the drives are switched off.
+                gantry_skew_limit_mm: Option<f64> [UpTo(1e3 * GantrySettings::MOST_SKEW_M)],
+                /// Position of the reference of the second motor less that of the first on a square beam; absent: 0.
+                gantry_offset_mm: Option<f64>,
+            }
             /// Masses, drive train and friction.
             mechanics: Mechanics {
                 /// Motor and screw, reflected to the table.

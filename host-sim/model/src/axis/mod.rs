@@ -17,7 +17,7 @@ pub use tolerated::{TOLERATED, Tolerances, Tolerated, is_mass};
 
 use files::log::Unit;
 use serde::{Deserialize, Serialize};
-use shared::config::Brake;
+use shared::config::{Brake, GantrySettings};
 use shared::units::TRAVEL_LIMIT_M;
 
 use crate::friction_curve::Curve;
@@ -99,6 +99,11 @@ impl Feedback {
         }
     }
 }
+
+/// The name of another axis.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct AxisName(pub String);
 
 /// Which names the keys of an axis have in its file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -185,6 +190,7 @@ impl Value for PerPoint {
 
 impl Value for [f64; 2] {}
 impl Value for Law {}
+impl Value for AxisName {}
 impl Value for Curve {}
 impl Value for Tolerances {}
 

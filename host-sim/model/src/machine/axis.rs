@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::evidence::Evidence;
 use super::nominal::{LogOffsets, Nominal};
 use crate::axis::{
-    Controller, Drive, Feedback, Field, Filters, Holding, KeyNames, Law, Limits, Mechanics, PerNotch,
-    PerPoint, Pid, Schedule, Sensors, Settings, TOLERATED, Tolerances, axis_keys,
+    AxisName, Controller, Drive, Feedback, Field, Filters, Gantry, Holding, KeyNames, Law, Limits, Mechanics,
+    PerNotch, PerPoint, Pid, Schedule, Sensors, Settings, TOLERATED, Tolerances, axis_keys,
 };
 use crate::effects::Effect;
 use crate::friction_curve::Curve;

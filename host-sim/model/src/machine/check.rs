@@ -1,6 +1,7 @@
 //! Checks of a machine file beyond the names and types of its keys.
 
 mod empirical;
+mod gantry;
 mod law;
 mod loops;
 mod nominal;
@@ -64,6 +65,7 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
         }
         sources(&machine.others(name), &key, document)?;
     }
+    gantry::gantries(machine, document)?;
     instruments(machine, document)?;
     structure(machine, document)
 }
@@ -147,6 +149,9 @@ const OF_VELOCITY_LOOP: &[&str] = &[
     "preload_n",
     "brake_release_s",
     "brake_engage_s",
+    "gantry_with",
+    "gantry_skew_limit_mm",
+    "gantry_offset_mm",
 ];
 
 /// Keys of the position loop.

@@ -52,6 +52,8 @@ const KEYS: &[RotaryKey] = &[
     key("scale_disagreement_limit_deg", "scale_disagreement_limit_mm", None),
     key("fastest_deg_per_s", "fastest_mm_per_s", None),
     key("frozen_encoder_limit_deg", "frozen_encoder_limit_mm", None),
+    key("gantry_skew_limit_deg", "gantry_skew_limit_mm", None),
+    key("gantry_offset_deg", "gantry_offset_mm", None),
 ];
 
 /// Keys of what a fit says of the zeros and of the drive of an axis.

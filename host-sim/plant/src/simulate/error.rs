@@ -43,6 +43,14 @@ pub enum SimulationError {
         /// What it is, as in the machine file.
         effect: &'static str,
     },
+    /// The axis is the second motor of a gantry.
+    #[error(
+        "axis.{axis}.gantry_with: a gantry is not simulated; the emulated board has one (`board bench add-beam`)"
+    )]
+    Gantry {
+        /// Axis.
+        axis: String,
+    },
     /// An axis needs shorter steps than the simulation takes.
     #[error("axis.{axis}: {key} requires steps of {step_s:.1e} s")]
     TooFast {
@@ -159,6 +167,7 @@ fn described(kind: FaultKind, settings: &AxisSettings) -> (String, &'static str)
         FaultKind::EncoderSignal => ("the signals of the motor encoder are out of range".to_owned(), ""),
         FaultKind::LimitSwitch => ("a limit switch was reached".to_owned(), ""),
         FaultKind::GearLag => ("the axis lags behind a counter that it follows".to_owned(), ""),
+        FaultKind::GantrySkew => ("the skew of the gantry exceeds its limit".to_owned(), ""),
         FaultKind::Displaced => ("the axis is not at the start of its motion".to_owned(), ""),
     }
 }

@@ -46,6 +46,9 @@ pub fn controller_setup(
         if step_s * machine.velocity_rate_hz() * MAX_SUBSTEPS < 1.0 {
             return Err(SimulationError::TooFast { axis: name.clone(), key, step_s });
         }
+        if axis.settings.gantry.gantry_with.is_some() {
+            return Err(SimulationError::Gantry { axis: name.clone() });
+        }
         if let Some(effect) = parameters.servo.not_in_controller() {
             return Err(SimulationError::NotSimulated { axis: name.clone(), effect });
         }

@@ -55,6 +55,14 @@ pub enum Action {
     TurnMaster,
     /// Turn it back by a turn.
     TurnMasterBack,
+    /// With the drives off: put a beam on the tables of x and of the last axis, which is moved to x for it, with 0.08 mm of skew.
+    AddBeam,
+    /// Take the beam away.
+    RemoveBeam,
+    /// Give the table of the last axis 400 N of friction, twice the force of its drive.
+    AddDrag,
+    /// Take that friction away.
+    RemoveDrag,
     /// The next tick with the drives on takes one and a half periods.
     SlowTick,
     /// The interrupts of the ticks are held off for two periods.
@@ -116,6 +124,10 @@ const fn operation(action: Action) -> Option<(u8, &'static str)> {
         Action::RemoveWorkpiece => (b'x', "There is no workpiece before the probe of x."),
         Action::TurnMaster => (b'j', "The master of x turns by 4000 counts."),
         Action::TurnMasterBack => (b'z', "The master of x turns back by 4000 counts."),
+        Action::AddBeam => (b'B', "A beam is on the tables of x and of the last axis."),
+        Action::RemoveBeam => (b'U', "There is no beam on the tables of x and of the last axis."),
+        Action::AddDrag => (b'D', "The table of the last axis has 400 N more friction."),
+        Action::RemoveDrag => (b'R', "The table of the last axis has its own friction."),
         Action::SlowTick => (b's', "The next tick with the drives on takes one and a half periods."),
         Action::HoldOffTicks => (b'i', "The ticks were held off for two periods."),
         Action::End => (END, "The emulator has ended."),

@@ -14,6 +14,7 @@ use ::board::{BoardError, Client, Observer};
 use files::error::InputError;
 use shared::drive::TickCounts;
 use shared::link::{Status, Welcome};
+use shared::units::Position;
 
 /// Longest interval, s: a host that is silent for longer stops the drives.
 const MAX_INTERVAL_S: f64 = 60.0;
@@ -106,7 +107,10 @@ fn line(status: &Status, tick_hz: f64) -> String {
         let rms = axis.rms.map_or_else(String::new, |rms| {
             format!(" (rms of a second: {:.2} µm, {:.1} N)", f64::from(rms.error_nm) / 1e3, rms.force_n)
         });
-        format!("{name} {motor:.4} mm, error {error_um:.2} µm, {:.1} N{rms}", axis.force_n)
+        let skew = axis.gantry.map_or_else(String::new, |gantry| {
+            format!(", skew {:.1} µm", 1e6 * Position(gantry.skew).to_m())
+        });
+        format!("{name} {motor:.4} mm, error {error_um:.2} µm{skew}, {:.1} N{rms}", axis.force_n)
     });
     let axes: Vec<String> = axes.collect();
     let TickCounts { late, missed, .. } = status.ticks;

@@ -154,8 +154,11 @@ pub(super) fn decimation(machine: &Machine, machine_file: &str, tick_hz: f64) ->
 /// Moves to the start of the motion. Returns a sentence about it, empty if the axes are there.
 fn approach(client: &mut Client, start_m: &[f64], motion_file: &str) -> Result<String> {
     let status = client.status()?;
-    let away =
-        status.axes.iter().zip(start_m).any(|(axis, to)| (axis.command.to_m() - to).abs() > AT_START_M);
+    let away = status
+        .axes
+        .iter()
+        .zip(start_m)
+        .any(|(axis, to)| axis.gantry.is_none() && (axis.command.to_m() - to).abs() > AT_START_M);
     if !away {
         return Ok(String::new());
     }

@@ -85,6 +85,7 @@ fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
     }
     lines.extend(AXIS_NAMES.iter().zip(&status.axes).filter_map(|(name, axis)| figures(name, axis)));
     lines.extend(AXIS_NAMES.iter().zip(&status.axes).filter_map(|(name, axis)| following(name, axis)));
+    lines.extend(AXIS_NAMES.iter().zip(&status.axes).filter_map(|(name, axis)| gantry(name, axis)));
     lines.extend(direction(status.direction));
     lines.extend(usb(status.usb).map(str::to_owned));
     let link = &status.link;
@@ -104,6 +105,13 @@ fn axes(count: usize) -> String {
 fn following(name: &str, axis: &AxisStatus) -> Option<String> {
     let lag_um = Position(axis.lag?).to_m() * 1e6;
     Some(format!("{name}: follows a counter, {:.1} µm behind it", lag_um.abs()))
+}
+
+/// The gantry of a second motor.
+fn gantry(name: &str, axis: &AxisStatus) -> Option<String> {
+    let gantry = axis.gantry?;
+    let (first, skew_um) = (refusal::axis_name(gantry.first), Position(gantry.skew).to_m() * 1e6);
+    Some(format!("{name}: second motor of a gantry with {first}, {skew_um:.1} µm from a square beam"))
 }
 
 /// What is known of the last second of an axis, and of the signals of its motor sensor.

@@ -81,7 +81,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 pub fn settings(machine: &Machine, source: &str) -> Result<Vec<AxisSettings>, InputError> {
     check_axes(machine, source)?;
     let axes = machine.axis.iter().map(|(name, axis)| {
-        servo::settings(&axis.settings, &ServoParameters::of(&axis.effect)).map_err(|key| {
+        let settings = servo::settings(&axis.settings, &ServoParameters::of(&axis.effect));
+        let gantry = servo::gantry(&axis.settings, machine.axis.keys());
+        settings.map(|settings| AxisSettings { gantry, ..settings }).map_err(|key| {
             InputError::expected(source, "this key, which a controller requires", "none")
                 .at_key(&format!("axis.{name}.{key}"))
         })

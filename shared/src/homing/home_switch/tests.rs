@@ -128,6 +128,7 @@ impl Axis {
                     assert_eq!(self.speed.to_bits(), 0.0f64.to_bits(), "the origin is set at rest");
                     shift = Some(origin);
                 }
+                Some(action) => panic!("{action:?}"),
                 None => {}
             }
             assert!((0.0..=0.2).contains(&self.at_m), "over the end of the travel: {}", self.at_m);

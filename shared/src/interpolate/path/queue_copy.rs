@@ -9,7 +9,7 @@ impl<const N: usize> Path<N> {
         self.copy_blocks(other);
         (self.started, self.revision) = (other.started, other.revision);
         (self.planned_end, self.travel) = (other.planned_end, other.travel);
-        self.blocked = other.blocked;
+        (self.blocked, self.second_motors) = (other.blocked, other.second_motors);
         (self.rate_hz, self.filters) = (other.rate_hz, other.filters);
     }
 

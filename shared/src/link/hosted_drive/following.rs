@@ -10,8 +10,9 @@ impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
     /// Lets an axis follow a counter, with settings that the server has checked against those of the axis. Other axes may follow already.
     ///
     /// # Errors
-    /// As [`HostedDrive::can_start`] unless axes follow already; [`Refusal::Follow`].
+    /// As [`HostedDrive::can_start`] unless axes follow already; [`Refusal::SecondMotor`], [`Refusal::Follow`].
     pub(in crate::link) fn follow(&mut self, axis: usize, settings: &FollowSettings) -> Result<(), Refusal> {
+        self.has_own_command(axis)?;
         if !self.machine().follows() {
             self.can_start()?;
         }

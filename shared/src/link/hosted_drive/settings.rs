@@ -2,7 +2,7 @@
 
 use super::HostedDrive;
 use crate::link::refusal::Refusal;
-use crate::machine::{MachineConfig, Reference};
+use crate::machine::{Machine, MachineConfig, Reference};
 use crate::safety::{Fault, Power};
 use crate::scalar::Scalar;
 
@@ -15,13 +15,18 @@ impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
     pub(in crate::link) fn configure(&mut self, config: MachineConfig<S, N>) -> Result<(), Refusal> {
         self.is_off()?;
         let start = self.readings.map(|reading| reading.motor);
-        let references: [_; N] = core::array::from_fn(|axis| self.machine().reference(axis));
+        // Those of the motors of a gantry are lost: they depend on the settings.
+        let is_homed = |machine: &Machine<S, N>, axis| {
+            machine.reference(axis) == Some(Reference::Homed) && machine.other_motor(axis).is_none()
+        };
+        let were_homed: [_; N] = core::array::from_fn(|axis| is_homed(self.machine(), axis));
         self.machine_mut().configure(config, &start);
-        for (axis, reference) in references.into_iter().enumerate() {
-            if reference != Some(Reference::Homed) {
+        for (axis, was_homed) in were_homed.into_iter().enumerate() {
+            if !was_homed || !is_homed(self.machine(), axis) {
                 self.machine_mut().lose_reference(axis);
             }
         }
+        self.machine_mut().set_skew_zero();
         Ok(())
     }
 

@@ -4,7 +4,9 @@ use super::HostedDrive;
 use crate::homing::HomingStatus;
 use crate::link::packet::MAX_AXES;
 use crate::link::receiver::LinkCounts;
-use crate::link::report::{AxisStatus, DirectionReport, HomingReport, SettingsReport, Status, UsbState};
+use crate::link::report::{
+    AxisStatus, DirectionReport, GantryStatus, HomingReport, SettingsReport, Status, UsbState,
+};
 use crate::machine::Reference;
 use crate::scalar::Scalar;
 
@@ -62,7 +64,14 @@ impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
             rms: self.rms_meter.axis(axis),
             counter: inputs.counter,
             lag: machine.following_lag(axis),
+            gantry: self.gantry_status(axis),
         }
+    }
+
+    /// The gantry of a second motor.
+    fn gantry_status(&self, axis: usize) -> Option<GantryStatus> {
+        let machine = self.machine();
+        Some(GantryStatus { first: number(machine.first_motor(axis)?), skew: machine.skew(axis)? })
     }
 }
 

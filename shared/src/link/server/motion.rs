@@ -7,6 +7,7 @@ use super::super::refusal::Refusal;
 use super::super::report::Activity;
 use super::block_limits::{SPEED_SHARE, axis_speeds, most_percent};
 use super::state::{Motion, ServerState};
+use crate::homing::HomingSettings;
 use crate::interpolate::feed_hold::MOST_PERCENT;
 use crate::interpolate::{Block, BlockOf, PathError};
 use crate::scalar::Scalar;
@@ -138,15 +139,25 @@ impl<const N: usize> ServerState<N> {
         }
     }
 
-    /// Starts to home an axis.
+    /// Starts to home an axis, with the other motor of its gantry.
     pub(super) fn home<'m, S: Scalar>(
         &mut self,
         axis: u8,
         drive: &mut impl SharedDrive<'m, S, N>,
     ) -> Result<(), Refusal> {
-        let settings = self.identity.homing.get(usize::from(axis)).ok_or(Refusal::NoSuchAxis)?;
-        let settings = settings.as_ref().ok_or(Refusal::NotAvailable)?;
-        drive.with(|drive| drive.home(usize::from(axis), settings))
+        let axis = usize::from(axis);
+        let settings_of = |axis: usize| -> Result<&HomingSettings, Refusal> {
+            let settings = self.identity.homing.get(axis).ok_or(Refusal::NoSuchAxis)?;
+            settings.as_ref().ok_or(Refusal::NotAvailable)
+        };
+        let settings = settings_of(axis)?;
+        let Some(second) = drive.with(|drive| drive.machine().second_motor(axis)) else {
+            return drive.with(|drive| drive.home(axis, settings));
+        };
+        let both = [settings, settings_of(second)?];
+        let gantry = self.settings.axes.get(second).and_then(|axis| axis.gantry);
+        let offset_m = gantry.ok_or(Refusal::NoSuchAxis)?.reference_offset_m;
+        drive.with(|drive| drive.home_gantry(axis, both, offset_m))
     }
 
     /// Plans the next motion of a homing or a probing that waits for it.
@@ -168,7 +179,10 @@ impl<const N: usize> ServerState<N> {
         }
         let axis = usize::from(jog.axis);
         let settings = self.settings.axes.get(axis).ok_or(Refusal::NoSuchAxis)?;
-        let start = drive.with(|drive| drive.can_start().map(|()| drive.machine().command()))?;
+        let start = drive.with(|drive| {
+            drive.has_own_command(axis)?;
+            drive.can_start().map(|()| drive.machine().command())
+        })?;
         let mut to_m = start.map(Position::to_m);
         let [least_m, greatest_m] = settings.travel_m.unwrap_or([-TRAVEL_LIMIT_M, TRAVEL_LIMIT_M]);
         if let Some(coordinate) = to_m.get_mut(axis) {

@@ -10,6 +10,7 @@ mod envelope;
 mod figures;
 mod follow;
 mod four_axes;
+mod gantry;
 mod halts;
 mod hard_stop;
 mod idle;

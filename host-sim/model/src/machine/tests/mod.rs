@@ -1,6 +1,7 @@
 //! Tests of reading, refusing and writing machine files.
 
 mod fitted;
+mod gantry;
 mod laws;
 mod loops;
 mod refused;

@@ -71,3 +71,17 @@ fn a_search_stops_at_the_switch_and_the_approach_reaches_the_mark() {
         }
     }
 }
+
+/// Planning takes longer than a tick. What is planned is the leg that the first tick has decided on, at the switch or beside it, and no tick
+/// until the leg is planned changes it: the motion of one leg with the reactions of another would not end at its switch.
+#[test]
+fn a_leg_does_not_change_while_it_is_planned() {
+    for (home, distance_m) in [(true, SETTINGS.back_off_distance_m), (false, -SETTINGS.search_distance_m)] {
+        let mut homing = Homing::new(&SETTINGS, TICK_HZ, false).unwrap();
+        assert_eq!(homing.leg_to_plan(), None);
+        for at_switch in [home, !home, home] {
+            assert_eq!(homing.tick(&input(Direction::Negative, at_switch, false)), None);
+            assert_eq!(homing.leg_to_plan().map(|leg| leg.distance_m), Some(distance_m));
+        }
+    }
+}
