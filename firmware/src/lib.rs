@@ -18,9 +18,11 @@ pub mod cost;
 pub mod emulated;
 #[cfg(any(feature = "emulated", feature = "servo"))]
 pub mod emulator;
+pub mod f405;
 pub mod flash;
 #[cfg(feature = "servo")]
 pub mod servo;
 pub mod setup;
+pub mod two_drives;
 #[cfg(feature = "usb")]
 pub mod usb_port;
