@@ -15,7 +15,19 @@ pub(super) fn begin_save<'m, S: Scalar, D: SharedDrive<'m, S, N>, F: NorFlash, c
     access: &mut Access<'_, D, F>,
 ) -> Result<(), Refusal> {
     let Access { drive, memory } = access;
-    drive.with(|drive| drive.without_ticks(|| memory.begin()))
+    access_flash(*drive, || memory.begin())
+}
+
+/// Accesses the flash with the power stages off. Only the server switches them on, so that they stay off meanwhile, without a lock that would
+/// hold off the ticks.
+pub(super) fn access_flash<'m, S: Scalar, R, const N: usize>(
+    drive: &mut impl SharedDrive<'m, S, N>,
+    access: impl FnOnce() -> Result<R, Refusal>,
+) -> Result<R, Refusal> {
+    drive.with(|drive| drive.begin_flash_access())?;
+    let result = access();
+    drive.with(|drive| drive.end_flash_access());
+    result
 }
 
 impl<const N: usize> ServerState<N> {
@@ -25,7 +37,7 @@ impl<const N: usize> ServerState<N> {
         access: &mut Access<'_, D, F>,
     ) -> Result<(), Refusal> {
         let Access { drive, memory } = access;
-        let number = drive.with(|drive| drive.without_ticks(|| memory.commit()))?;
+        let number = access_flash(*drive, || memory.commit())?;
         self.report = SettingsReport { source: SettingsSource::Record, stored: StoredRecord::Valid(number) };
         Ok(())
     }
