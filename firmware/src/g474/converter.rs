@@ -57,8 +57,11 @@ pub fn start(bus: impl Bus) {
     bus.write(adc::CCR, QUARTER);
     // Out of deep power-down (the zero of its bit), then the regulator (chapter 21).
     let both = [adc::ADC1, adc::ADC2];
-    both.into_iter().for_each(|device| bus.write(device + adc::CR, 0));
-    both.into_iter().for_each(|device| bus.write(device + adc::CR, REGULATOR));
+    for bits in [0, REGULATOR] {
+        for device in both {
+            bus.write(device + adc::CR, bits);
+        }
+    }
     bus.wait_us(REGULATOR_US);
     for (device, channels) in both.into_iter().zip([&SINES[..], &COSINES_AND_SUPPLY[..]]) {
         bus.write(device + adc::CR, REGULATOR | CALIBRATE);

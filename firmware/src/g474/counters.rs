@@ -6,7 +6,7 @@ use super::bus::Bus;
 use super::clock::Device;
 use crate::two_drives::counters::{Counters, IndexedCounter, Timers};
 
-/// Input on its own pin; an edge after eight equal samples at 42.5 MHz, 188 ns (chapter 28: CCxS 01, ICxF 0111): it suppresses interference
+/// Input on its own pin; an edge after eight equal samples at 42.5 MHz, 188 ns (chapter 28: `CCxS` 01, `ICxF` 0111): it suppresses interference
 /// of the PWM and allows 2.6 million counts per second.
 const INPUT: u32 = 0x71;
 

@@ -109,7 +109,9 @@ impl<B: Bus> SettingsFlash<B> {
         }
         // Errors of an earlier access.
         bus.write(flash::SR, ERRORS);
-        KEYS.into_iter().for_each(|key| bus.write(flash::KEYR, key));
+        for key in KEYS {
+            bus.write(flash::KEYR, key);
+        }
         let unlocked = bus.read(flash::CR) & LOCK == 0;
         let result = if unlocked { change(bus) } else { Err(NorFlashErrorKind::Other) };
         if !is_busy(bus) {

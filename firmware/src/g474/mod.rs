@@ -109,10 +109,13 @@ impl<B: Bus> Parts<B> {
     /// # Errors
     /// [`StartError`]: the drives are off then.
     pub fn new(bus: B, memory: Memory) -> Result<Self, StartError> {
+        let Memory { machine, serial, can, receiver, capture } = memory;
         // Read at run time, so that what is built and tested has every alternative of the table.
         let table = core::hint::black_box(&setup::TABLE);
         // The stages are disabled first, before the wait for the crystal.
-        Device::PORTS.into_iter().for_each(|port| port.enable(bus));
+        for port in Device::PORTS {
+            port.enable(bus);
+        }
         pins::set_up_outputs_of_drives(bus);
         let previous_fault = clock::previous_fault(bus);
         Device::PWR.enable(bus);
@@ -126,18 +129,27 @@ impl<B: Bus> Parts<B> {
         pins::set_up(bus);
         converter::start(bus);
         let timers = counters::start(bus);
-        let (uart, serial) = uart::start(bus, memory.serial);
-        let (can, can_interrupt) = can_port::start(bus, memory.can);
-        let ports = TwoPorts::new(uart, Some(UsbPort { port: can, receiver: memory.receiver }));
+        let (uart, serial_interrupt) = uart::start(bus, serial);
+        let (can, can_interrupt) = can_port::start(bus, can);
+        let ports = TwoPorts::new(uart, Some(UsbPort { port: can, receiver }));
 
-        let system = setup::drive_system(memory.machine, stage::FULL_COUNTS, setup::tick_clock(CORE_HZ))?;
+        let system = setup::drive_system(machine, stage::FULL_COUNTS, setup::tick_clock(CORE_HZ))?;
         let Identity { tick_hz, times, steps, .. } = &IDENTITY;
-        let drive = HostedDrive::new(system, *tick_hz, *times, steps, memory.capture);
+        let drive = HostedDrive::new(system, *tick_hz, *times, steps, capture);
         let watchdog = Watchdog::start(bus);
         let registers = ChipRegisters { bus, tick_timer: TickTimer::start(bus) };
         let hardware = Hardware::new(table, registers, timers, stage::FULL_COUNTS)?;
         let flash = flash::SettingsFlash::new(bus);
-        Ok(Self { hardware, drive, ports, serial, can: can_interrupt, watchdog, flash, previous_fault })
+        Ok(Self {
+            hardware,
+            drive,
+            ports,
+            serial: serial_interrupt,
+            can: can_interrupt,
+            watchdog,
+            flash,
+            previous_fault,
+        })
     }
 }
 

@@ -121,7 +121,9 @@ pub static WIRING: Wiring = Wiring {
 
 /// Makes enable and brakes outputs that are low.
 pub fn set_up_outputs_of_drives(bus: impl Bus) {
-    [ENABLE, BRAKES].into_iter().for_each(|pin| pin.set_up(bus));
+    for pin in [ENABLE, BRAKES] {
+        pin.set_up(bus);
+    }
 }
 
 /// Sets up all other pins.

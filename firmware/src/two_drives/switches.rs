@@ -47,26 +47,31 @@ pub struct Switches {
 
 impl Switches {
     /// By the pins of a chip and what was read of its ports.
+    #[must_use]
     pub const fn new(wiring: &'static Wiring, levels: Levels) -> Self {
         Self { wiring, levels }
     }
 
     /// Whether the enable switch is closed.
+    #[must_use]
     pub const fn enable_switch_closed(self) -> bool {
         self.levels.b & self.wiring.enable_switch != 0
     }
 
     /// Whether the stop contact is open.
+    #[must_use]
     pub const fn is_stopped(self) -> bool {
         self.levels.b & self.wiring.stop == 0
     }
 
     /// Whether the probe is touched, or not connected.
+    #[must_use]
     pub const fn is_probe_touched(self) -> bool {
         self.levels.a & self.wiring.probe == 0
     }
 
     /// Whether the scale of each axis has a signal; one whose signal is not connected is taken to have one.
+    #[must_use]
     pub fn scale_signals(self, table: &[AxisTable; AXES]) -> [bool; AXES] {
         core::array::from_fn(|axis| {
             let is_connected = table.get(axis).is_some_and(|axis| axis.scale_signal);
@@ -75,6 +80,7 @@ impl Switches {
     }
 
     /// The switches and the fault input of an axis, of which the table says which are fitted.
+    #[must_use]
     pub fn axis(self, axis: usize, table: &AxisTable) -> AxisInputs {
         let Self { wiring, levels } = self;
         let open = |bits: Option<&u32>| bits.is_some_and(|bit| levels.b & bit == 0);

@@ -2,6 +2,7 @@
 
 use embedded_storage::nor_flash::NorFlash;
 
+use super::super::hosted_drive::HostedDrive;
 use super::super::port::SharedDrive;
 use super::super::refusal::Refusal;
 use super::super::report::{SettingsReport, SettingsSource, StoredRecord};
@@ -24,9 +25,9 @@ pub(super) fn access_flash<'m, S: Scalar, R, const N: usize>(
     drive: &mut impl SharedDrive<'m, S, N>,
     access: impl FnOnce() -> Result<R, Refusal>,
 ) -> Result<R, Refusal> {
-    drive.with(|drive| drive.begin_flash_access())?;
+    drive.with(HostedDrive::begin_flash_access)?;
     let result = access();
-    drive.with(|drive| drive.end_flash_access());
+    drive.with(HostedDrive::end_flash_access);
     result
 }
 
