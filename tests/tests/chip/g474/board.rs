@@ -96,9 +96,9 @@ pub fn model(flash: Remains) -> &'static Model {
     let model = Model::new(FlashModel::new(flash, usize::MAX, 0));
     model.set(GPIOA + IDR, 1 << 3 | 1 << 10 | 1 << 15);
     model.set(GPIOB + IDR, CONTACTS);
-    let counts_per_v = 4096.0 / 3.3;
-    model.set(BUS, (48.0 * 4.7 / 104.7 * counts_per_v) as u32);
-    model.set(TEMPERATURE, (0.75 * counts_per_v) as u32);
+    // 2.1547 V and 0.75 V of 3.3 V, 12 bits.
+    model.set(BUS, 2674);
+    model.set(TEMPERATURE, 931);
     model
 }
 

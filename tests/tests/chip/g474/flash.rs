@@ -7,7 +7,7 @@ use shared::link::{Reply, Request};
 use shared::storage::{StorageError, Store};
 
 use super::board::{Board, Port, model};
-use super::flash_model::{FlashModel, LOCKED, Remains};
+use super::flash_model::{Defect, FlashModel, LOCKED, Remains};
 use super::model::{Model, RCC};
 
 /// Without a loss of power.
@@ -170,14 +170,14 @@ fn a_flash_that_cannot_be_changed_is_an_error() {
         model.with(|state| state.flash.remains().memory).iter().any(|byte| *byte != 0xff)
     };
     let jammed = chip(Remains::erased(), NEVER, 0);
-    jammed.with(|state| state.flash.is_jammed = true);
+    jammed.with(|state| state.flash.defect = Defect::Jammed);
     assert!(!changed(jammed));
     let low = chip(Remains::erased(), NEVER, 0);
     low.set(SR2, PVDO);
     assert!(!changed(low));
     assert_eq!(low.with(|state| state.flash.writes), 0);
     let stuck = chip(Remains::erased(), NEVER, 0);
-    stuck.with(|state| state.flash.never_ends = true);
+    stuck.with(|state| state.flash.defect = Defect::NeverEnds);
     assert_eq!(flash(stuck).write(SLOTS.starts[0], &[1; 16]), Err(NorFlashErrorKind::Other));
 }
 

@@ -38,14 +38,23 @@ pub struct FlashModel {
     half: Option<(u32, u32)>,
     /// An error that the next operation has.
     pub next_error: u32,
-    pub is_jammed: bool,
-    pub never_ends: bool,
+    pub defect: Defect,
     /// Whether a lock holds off the ticks.
     pub ticks_are_held_off: bool,
     pub writes: usize,
     fails_at: usize,
     pub erased_pages: Vec<u32>,
     random: ChaCha8Rng,
+}
+
+/// What is wrong with the flash.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Defect {
+    None,
+    /// The keys do not unlock.
+    Jammed,
+    /// An operation does not end.
+    NeverEnds,
 }
 
 /// What remains without a supply.
@@ -86,8 +95,7 @@ impl FlashModel {
             busy: Cell::new(0),
             half: None,
             next_error: 0,
-            is_jammed: false,
-            never_ends: false,
+            defect: Defect::None,
             ticks_are_held_off: false,
             writes: 0,
             fails_at,
@@ -123,7 +131,7 @@ impl FlashModel {
             "chapter 3: an error that is not cleared keeps the next operation from starting"
         );
         assert!(!self.ticks_are_held_off, "the ticks would wait for the end of the operation");
-        self.busy.set(if self.never_ends { u32::MAX } else { BUSY_READS });
+        self.busy.set(if self.defect == Defect::NeverEnds { u32::MAX } else { BUSY_READS });
         self.sr |= std::mem::take(&mut self.next_error);
     }
 
@@ -142,7 +150,7 @@ impl FlashModel {
         match offset {
             0x10 => {
                 let busy = self.busy.get();
-                self.busy.set(busy.saturating_sub(u32::from(!self.never_ends)));
+                self.busy.set(busy.saturating_sub(u32::from(self.defect != Defect::NeverEnds)));
                 self.sr | if busy > 0 && !self.has_failed() { BSY } else { 0 }
             }
             0x14 => self.cr,
@@ -157,7 +165,7 @@ impl FlashModel {
             0x08 => {
                 assert_eq!(KEYS.get(self.keys), Some(&value), "a wrong key locks the flash until a reset");
                 self.keys += 1;
-                if self.keys == KEYS.len() && !self.is_jammed {
+                if self.keys == KEYS.len() && self.defect != Defect::Jammed {
                     self.cr &= !LOCKED;
                 }
             }
@@ -170,7 +178,7 @@ impl FlashModel {
 
     fn set_control(&mut self, value: u32, fails: bool) {
         if self.cr & LOCKED != 0 {
-            assert!(self.is_jammed && value == LOCKED, "FLASH_CR is locked: {value:#x}");
+            assert!(self.defect == Defect::Jammed && value == LOCKED, "FLASH_CR is locked: {value:#x}");
             self.keys = 0;
             return;
         }

@@ -237,7 +237,7 @@ fn ports_of_the_link_and_watchdog() {
     assert_eq!(model.with(|state| state.can.memory[&0]), 0b10 << 30 | 1 << 27 | 0x640 << 16 | 0x7ff);
     assert!((4..0x350).step_by(4).all(|at| model.with(|state| state.can.memory[&at]) == 0));
     // Start, write access, and feed once both values have arrived.
-    assert_eq!(model.written(chip::IWDG::PTR.addr() as u32), [0xcccc, 0x5555, 0xaaaa]);
+    assert_eq!(model.written(u32::try_from(chip::IWDG::PTR.addr()).unwrap()), [0xcccc, 0x5555, 0xaaaa]);
 }
 
 #[test]
