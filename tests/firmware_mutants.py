@@ -46,6 +46,7 @@ WIRES = [
 STORED = ["board_boot::stored::"]
 USB = ["board_boot::a_usb_core"]
 BRAKES = ["board_boot::the_brakes_open", "board_boot::a_supply"]
+MODEL = ["g474::registers", "g474::start", "g474::wiring", "g474::flash"]
 TICKS = ["board_boot::ticks::", "board_boot::a_hard_fault"]
 
 # The tests of a file, by the beginning of its path. The first that fits.
@@ -58,7 +59,12 @@ TESTS = {
     "firmware/src/board/tick.rs": [*START, *CLOSED_LOOP, *TICKS],
     "firmware/src/board/stage.rs": [*START, *CLOSED_LOOP, *TICKS, *BRAKES, *WIRES[3:4]],
     "firmware/src/board/switches.rs": [*START, *CLOSED_LOOP, *WIRES],
-    "firmware/src/board/sensors.rs": [*START, *CLOSED_LOOP, *WIRES[:3]],
+    # What both chips share is noticed first by the tests of the second one, which run on the host.
+    "firmware/src/two_drives/switches.rs": [*MODEL, *START, *CLOSED_LOOP, *WIRES],
+    "firmware/src/two_drives/sensors.rs": [*MODEL, *START, *CLOSED_LOOP, *WIRES[:3]],
+    "firmware/src/two_drives/counters.rs": [*MODEL, *START, *CLOSED_LOOP, *WIRES[:3]],
+    "firmware/src/two_drives/": [*MODEL, *START, *CLOSED_LOOP, *TICKS, *BRAKES],
+    "firmware/src/g474/": MODEL,
     "firmware/src/board/quadrature.rs": [*START, *CLOSED_LOOP, *WIRES[:3]],
     "firmware/src/board/mod.rs": [*START, *CLOSED_LOOP, *TICKS, *BRAKES, *WIRES[:4]],
     "firmware/src/board/converter.rs": [*START, *CLOSED_LOOP, *BRAKES],
@@ -82,15 +88,15 @@ CONSTANTS = [
     # Ends, axes and pins exchanged, or a pin beside.
     ("board/switches.rs", "[1 << 1, 1 << 5]", "[1 << 5, 1 << 1]", "board_boot::wiring::each_limit_switch"),
     ("board/switches.rs", "[1 << 9, 1 << 13]", "[1 << 13, 1 << 9]", "board_boot::wiring::each_limit_switch"),
-    ("board/switches.rs", "DRIVE_FAULTS: [u32; AXES] = [1 << 2, 1 << 3]", "DRIVE_FAULTS: [u32; AXES] = [1 << 2, 1 << 4]", "board_boot::an_open_safety_contact"),
-    ("board/switches.rs", "STOP: u32 = 1 << 12", "STOP: u32 = 1 << 13", "board_boot::an_open_safety_contact"),
-    ("board/switches.rs", "ENABLE_SWITCH: u32 = 1 << 15", "ENABLE_SWITCH: u32 = 1 << 13", "board_boot::a_host"),
-    ("board/switches.rs", "HOMES: [u32; AXES] = [1 << 9, 1 << 12]", "HOMES: [u32; AXES] = [1 << 12, 1 << 9]", "board_boot::wiring::each_home_switch"),
-    ("board/switches.rs", "SCALE_SIGNALS: [u32; AXES] = [1 << 3, 1 << 10]", "SCALE_SIGNALS: [u32; AXES] = [1 << 10, 1 << 3]", "board_boot::wiring::each_scale"),
-    ("board/switches.rs", "PROBE: u32 = 1 << 15", "PROBE: u32 = 1 << 14", "board_boot::wiring::the_probe"),
+    ("board/switches.rs", "drive_faults: [1 << 2, 1 << 3]", "drive_faults: [1 << 2, 1 << 4]", "board_boot::an_open_safety_contact"),
+    ("board/switches.rs", "stop: 1 << 12", "stop: 1 << 13", "board_boot::an_open_safety_contact"),
+    ("board/switches.rs", "enable_switch: 1 << 15", "enable_switch: 1 << 13", "board_boot::a_host"),
+    ("board/switches.rs", "homes: [1 << 9, 1 << 12]", "homes: [1 << 12, 1 << 9]", "board_boot::wiring::each_home_switch"),
+    ("board/switches.rs", "scale_signals: [1 << 3, 1 << 10]", "scale_signals: [1 << 10, 1 << 3]", "board_boot::wiring::each_scale"),
+    ("board/switches.rs", "probe: 1 << 15", "probe: 1 << 14", "board_boot::wiring::the_probe"),
     # Y reads the scale of X.
-    ("board/sensors.rs", "YScale::Scale(scale) => (Some(scale.position()), None)", "YScale::Scale(_) => (x_table, None)", "board_boot::wiring::each_scale"),
-    ("board/sensors.rs", "self.x.take_index() } else { self.y.take_index()", "self.y.take_index() } else { self.x.take_index()", "board_boot::wiring::each_index"),
+    ("two_drives/sensors.rs", "YScale::Scale(scale) => (Some(scale.position()), None)", "YScale::Scale(_) => (x_table, None)", "board_boot::wiring::each_scale"),
+    ("two_drives/sensors.rs", "self.x.take_index() } else { self.y.take_index()", "self.y.take_index() } else { self.x.take_index()", "board_boot::wiring::each_index"),
     ("board/watchdog.rs", "PERIOD_MS: u32 = 10", "PERIOD_MS: u32 = 1000", "registers::"),
     ("board/watchdog.rs", "LONGEST_MS: u32 = 32_767", "LONGEST_MS: u32 = 10", "board_boot::stored::a_save"),
     ("board/converter.rs", "jsq2().bits(12)", "jsq2().bits(13)"),
@@ -105,11 +111,37 @@ CONSTANTS = [
     ("board/dac.rs", "self.0.dhr12r1() } else { self.0.dhr12r2()", "self.0.dhr12r2() } else { self.0.dhr12r1()"),
     ("board/mod.rs", "c.pc6 => 3", "c.pc6 => 2"),
     ("board/mod.rs", "internal_resistor(Pull::Down)", "internal_resistor(Pull::Up)"),
+    ("g474/pins.rs", "pin(gpio::B, 4, Mode::Input)", "pin(gpio::B, 8, Mode::Input)"),
+    ("g474/pins.rs", "Mode::Device(6, Pull::Down)", "Mode::Device(6, Pull::Up)"),
+    ("g474/pins.rs", "SCALE_Y: Mode = Mode::Device(4,", "SCALE_Y: Mode = Mode::Device(2,"),
+    ("g474/pins.rs", "[1 << 4, 1 << 13]", "[1 << 13, 1 << 4]", "g474::wiring"),
+    ("g474/clock.rs", "WAIT_STATES: u32 = 4", "WAIT_STATES: u32 = 3"),
+    ("g474/clock.rs", "TIM8: Self = Self { reset: rcc::APB2RSTR, bit: 13 }", "TIM8: Self = Self { reset: rcc::APB2RSTR, bit: 12 }"),
+    ("g474/supply.rs", "1 | 6 << 1", "1 | 5 << 1"),
+    ("g474/supply.rs", "BREAKS: u32 = 1 | 1 << 2", "BREAKS: u32 = 1"),
+    ("g474/stage.rs", "2 << 8", "1 << 8"),
+    ("g474/stage.rs", "BROKEN: u32 = 1 << 7 | 1 << 13", "BROKEN: u32 = 1 << 7", "g474::wiring"),
+    ("g474/tick.rs", "EXTRA_COUNTS: u32 = 128", "EXTRA_COUNTS: u32 = 0"),
+    ("g474/tick.rs", "CONVERSION_COUNTS: u32 = 1190", "CONVERSION_COUNTS: u32 = 119"),
+    ("g474/counters.rs", "tim::TIM4, Index::Fourth", "tim::TIM4, Index::Third"),
+    ("g474/counters.rs", "tim::TIM8, Index::Third", "tim::TIM8, Index::Fourth"),
+    ("g474/counters.rs", "INPUT: u32 = 0x71", "INPUT: u32 = 0x51"),
+    ("g474/converter.rs", "[9, 7, 5, 11]", "[9, 7, 11, 5]"),
+    ("g474/dac.rs", "0b10 << 14", "0b01 << 14"),
+    ("g474/watchdog.rs", "PERIOD_MS: u32 = 10", "PERIOD_MS: u32 = 1000"),
+    ("g474/watchdog.rs", "PRESCALER: u32 = 0", "PRESCALER: u32 = 1"),
+    ("g474/flash.rs", "IN_SECOND_BANK: u32 = 1 << 11", "IN_SECOND_BANK: u32 = 0"),
+    ("g474/flash.rs", "(offset - SECOND_BANK) / PAGE", "offset / PAGE"),
+    ("g474/flash.rs", "starts: [0x6_0000, 0x7_0000]", "starts: [0x7_0000, 0x6_0000]"),
+    ("g474/flash.rs", "ERROR_IN_SECOND_BANK: u32 = 1 << 21", "ERROR_IN_SECOND_BANK: u32 = 0"),
+    ("g474/can.rs", "DIVIDER: u32 = 5;", "DIVIDER: u32 = 10;"),
+    ("g474/can.rs", "0b10 << 30 | 0b001 << 27", "0b10 << 30 | 0b010 << 27"),
+    ("g474/can.rs", "BUS_OFF: u32 = 1 << 19", "BUS_OFF: u32 = 1 << 18", "g474::wiring"),
     ("board/usb.rs", "0x1100, 0x1200", "0x1200, 0x1300", "board_boot::a_usb_core"),
 ]
 
 # What the host compiles: its mutants are built with the program of the tests. The others only change the program of the chip.
-FOR_HOST = ("firmware/src/flash.rs", "firmware/src/setup.rs")
+FOR_HOST = ("firmware/src/flash.rs", "firmware/src/setup.rs", "firmware/src/two_drives/", "firmware/src/g474/")
 
 
 def run(command, seconds, **options):
@@ -151,7 +183,7 @@ def outcome_of(file, program, environment, first=()):
         program = build_tests(environment)
         if program is None:
             return "unviable", ""
-    if file != "firmware/src/flash.rs":
+    if file != "firmware/src/flash.rs" and not file.startswith("firmware/src/g474/"):
         code, _ = run(["cargo", "board"], BUILD_S, env=environment)
         if code != 0:
             return "unviable", ""

@@ -93,7 +93,7 @@ install_emulator() {
 lints() {
   cargo clippy --workspace --exclude firmware --all-targets -- -D warnings
   local program
-  for program in board emulated servo servo-four cost cost-four; do
+  for program in board board-g474 emulated servo servo-four cost cost-four; do
     cargo clippy --package firmware --bin "$program" --features "${program%-four}" --target "$target" -- -D warnings
   done
 }
@@ -107,7 +107,7 @@ documentation() {
 # The programs that are flashed, and those of the emulator: whether they compile.
 check_programs_of_chip() {
   local program
-  for program in board emulated servo servo-four; do
+  for program in board board-g474 emulated servo servo-four; do
     cargo check --package firmware --bin "$program" --features "${program%-four}" --target "$target"
   done
 }
@@ -142,6 +142,7 @@ lint() {
 chip() {
   step "programs of the chip"
   cargo board
+  cargo board-g474
   cargo emulated
   cargo servo
   step "tests of the chip"

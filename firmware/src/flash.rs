@@ -3,7 +3,7 @@
 //!
 //! While a sector is erased, for two to four seconds (data sheet DS8626, byte by byte), the flash cannot be read, so that the program
 //! stands still; a byte that is written takes 16 to 100 µs. Therefore the flash is accessed with the power stages off only
-//! ([`shared::link::HostedDrive::without_ticks`]), and the watchdog gets its longest period meanwhile.
+//! ([`shared::link::HostedDrive::begin_flash_access`]), and the watchdog gets its longest period meanwhile.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,

@@ -21,7 +21,7 @@ use shared::machine::{Machine, MachineConfig, MachineError};
 use shared::scalar::Fixed;
 use shared::units::{PER_NM, Position};
 
-/// Axes of the board: as many as its pins and timers are assigned to (`firmware/src/board`).
+/// Axes of the board: as many as its pins and timers are assigned to (`firmware/src/board`, `firmware/src/g474`).
 pub const AXES: usize = 2;
 
 /// Rates of the loops.
@@ -33,7 +33,7 @@ pub const TICK_HZ: u32 = 20_000;
 /// Frequency of the crystal, Hz.
 pub const CRYSTAL_HZ: u32 = 8_000_000;
 
-/// PWM frequency, Hz: inaudible, and 8400 counts at 168 MHz. A period is one tick.
+/// PWM frequency, Hz: inaudible, and 8400 counts at 168 MHz, 8500 at 170 MHz. A period is one tick.
 pub const PWM_HZ: u32 = TICK_HZ;
 
 /// Lead over counts per turn (four per line): 0.25 µm. Negative if the counter decreases in the positive direction.
@@ -88,12 +88,6 @@ const HOMING: HomingSettings = HomingSettings {
 /// Late and missed ticks that are no fault while the drives are on: none. The loops are tuned for forces that change once in a tick.
 pub const TOLERATED_TICKS: u32 = 0;
 
-/// Clock of the core, Hz: its cycles time the ticks.
-const CORE_HZ: u32 = 168_000_000;
-
-/// How the ticks of the board are timed.
-const TICK_CLOCK: TickClock = tick_clock(CORE_HZ);
-
 /// How ticks are timed with a counter of a clock of `hz`, Hz. For a constant: a slower clock is an error of the compiler.
 ///
 /// # Panics
@@ -124,16 +118,19 @@ pub static TABLE: [AxisTable; AXES] = {
 /// A count of the finer sensor of each axis, position units: the steps of recordings.
 const COUNTS: [i64; AXES] = [250 * PER_NM; AXES];
 
-/// What the board says about itself.
-pub const IDENTITY: Identity<AXES> = Identity {
-    board: "STM32F405, two drives",
-    software: env!("CARGO_PKG_VERSION"),
-    tick_hz: TICK_HZ,
-    steps: ChannelSteps { command: PER_NM / 16, motor: COUNTS, table: COUNTS, force_bits: 5 },
-    times: Times { hold_ms: 500, off_ms: 10_000, jog_ms: 300 },
-    homing: [Some(HOMING); AXES],
-    envelope: &ENVELOPE,
-};
+/// What a board of this machine says about itself, with its own name.
+#[must_use]
+pub const fn identity(board: &'static str) -> Identity<AXES> {
+    Identity {
+        board,
+        software: env!("CARGO_PKG_VERSION"),
+        tick_hz: TICK_HZ,
+        steps: ChannelSteps { command: PER_NM / 16, motor: COUNTS, table: COUNTS, force_bits: 5 },
+        times: Times { hold_ms: 500, off_ms: 10_000, jog_ms: 300 },
+        homing: [Some(HOMING); AXES],
+        envelope: &ENVELOPE,
+    }
+}
 
 /// Vendor and product of the USB port: the pair that V-USB gives to CDC-ACM devices, which the names tell apart. A product that is
 /// sold needs its own.
@@ -141,6 +138,12 @@ pub const USB_IDS: (u16, u16) = (0x16c0, 0x27dd);
 
 /// Name of the manufacturer.
 pub const USB_MANUFACTURER: &str = "Lost Motion";
+
+/// Identifiers of CAN, of 11 bits, on a board with such a port: frames to the board, and from it.
+pub const CAN_TO_BOARD: u16 = 0x640;
+/// Frames from the board.
+pub const CAN_FROM_BOARD: u16 = 0x641;
+const _: () = assert!(CAN_TO_BOARD < 0x800 && CAN_FROM_BOARD < 0x800 && CAN_TO_BOARD != CAN_FROM_BOARD);
 
 /// The settings until others are uploaded. They do not compile unless they are within [`ENVELOPE`].
 pub const LINK_SETTINGS: AdmittedSettings<AXES> =
@@ -250,7 +253,7 @@ impl From<DriveError> for SetupError {
 /// The drive system of the board: a step drive gets at most one step in a tick.
 pub type BoardDrives<'m> = DriveSystem<'m, Fixed, AXES, AnyOutput<Fixed>>;
 
-/// The drive system without a path, drives off, for power stages with `full_counts` PWM counts. When enabled, it holds the axes
+/// The drive system without a path, drives off, for power stages with `full_counts` PWM counts, with ticks timed by `clock`. When enabled, it holds the axes
 /// at their positions. No axis is homed: positions are those since power-up.
 ///
 /// The machine is configured in place: it is too large for the stack.
@@ -260,6 +263,7 @@ pub type BoardDrives<'m> = DriveSystem<'m, Fixed, AXES, AnyOutput<Fixed>>;
 pub fn drive_system(
     machine: &mut Machine<Fixed, AXES>,
     full_counts: u16,
+    clock: TickClock,
 ) -> Result<BoardDrives<'_>, SetupError> {
     machine.configure(MachineConfig::new(LINK_SETTINGS.rates, &LINK_SETTINGS.axes)?, &[Position(0); AXES]);
     (0..AXES).for_each(|axis| machine.lose_reference(axis));
@@ -268,7 +272,7 @@ pub fn drive_system(
     let outputs = [AnyOutput::new(&x.drive, full_counts, 1)?, AnyOutput::new(&y.drive, full_counts, 1)?];
     let (switch, light) = (EnableSwitch::new(SWITCH_SETTLING_TICKS), StatusLight::new(BLINK_TICKS));
     let system = DriveSystem::new(machine, outputs, switch, light);
-    let system = system.with_supply_limits(ENVELOPE.supply).with_tick_clock(TICK_CLOCK);
+    let system = system.with_supply_limits(ENVELOPE.supply).with_tick_clock(clock);
     match core::hint::black_box(&TEMPERATURE) {
         TemperatureSensor::Linear(_) => Ok(system),
         TemperatureSensor::Thermistor(settings) => {

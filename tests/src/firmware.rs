@@ -36,7 +36,7 @@ pub const DECLARED: Declared<'_> = Declared {
     }],
 };
 
-/// The ELF file of `board` or `emulated`, built by the alias of that name.
+/// The ELF file of a program, `board` or `emulated` for example, built by the alias of that name.
 ///
 /// # Panics
 /// Where cargo cannot build it, with its messages.
@@ -53,5 +53,7 @@ pub fn built(program: &str) -> PathBuf {
     );
     // A relative path is relative to where cargo ran; an absolute one replaces the workspace in `join`.
     let target = workspace.join(std::env::var_os("CARGO_TARGET_DIR").unwrap_or("target".into()));
-    target.join("thumbv7em-none-eabihf/firmware").join(program)
+    // The profile of its alias.
+    let profile = if program == "board-g474" { "firmware-small" } else { "firmware" };
+    target.join("thumbv7em-none-eabihf").join(profile).join(program)
 }

@@ -10,12 +10,15 @@ use firmware::board::drives_off;
 #[rtic::app(device = stm32f4xx_hal::pac)]
 mod app {
     use firmware::board::flash::{Settings, settings_memory};
-    use firmware::board::link::{Drive, Locked};
-    use firmware::board::uart::{Queues, UartInterrupt};
+    use firmware::board::uart::UartInterrupt;
     use firmware::board::usb::{self, Ports};
     use firmware::board::watchdog::Watchdog;
     use firmware::board::{Hardware, Parts, start_cycle_counter};
-    use firmware::setup::{AXES, IDENTITY, LINK_SETTINGS};
+    use firmware::f405::IDENTITY;
+    use firmware::setup::{AXES, LINK_SETTINGS};
+    use firmware::two_drives::Drive;
+    use firmware::two_drives::locked::Locked;
+    use firmware::two_drives::serial::Queues;
     use rtic::Mutex;
     use shared::link::{Server, SharedDrive};
     use shared::machine::Machine;

@@ -8,7 +8,7 @@ use stm32f4xx_hal::gpio::{Analog, PC0, PC1, PC2, PC3, PC4, PC5};
 use stm32f4xx_hal::pac::{ADC_COMMON, ADC1, ADC2};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
-use crate::setup::AXES;
+use crate::two_drives::Conversions;
 
 /// Bus voltage and temperature; sine and cosine of X, of Y. Their types prove that they are analogue.
 pub type ConverterPins = ((PC0<Analog>, PC1<Analog>), (PC2<Analog>, PC3<Analog>), (PC4<Analog>, PC5<Analog>));
@@ -17,17 +17,6 @@ pub type ConverterPins = ((PC0<Analog>, PC1<Analog>), (PC2<Analog>, PC3<Analog>)
 pub struct Converters {
     first: ADC1,
     second: ADC2,
-}
-
-/// Results of one trigger, counts of 12 bits.
-#[derive(Clone, Copy, Default)]
-pub struct Conversions {
-    /// Sine and cosine of each axis.
-    pub resolvers: [[u16; 2]; AXES],
-    /// Bus voltage.
-    pub bus: u16,
-    /// Temperature.
-    pub temperature: u16,
 }
 
 impl Converters {

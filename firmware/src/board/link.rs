@@ -1,13 +1,8 @@
-//! The link of the board: the drives behind RTIC's lock, and the core-coupled memory with the recordings and the USB port.
+//! The core-coupled memory with the recordings and the USB port.
 
 use core::mem::MaybeUninit;
 
-use rtic::Mutex;
-use shared::link::{HostedDrive, SharedDrive};
-use shared::scalar::Fixed;
-
 use super::usb;
-use crate::setup::AXES;
 
 /// The core-coupled memory, which only the processor can access: 64 KiB (RM0090, 2.3.1). The program is linked without it.
 const CORE_COUPLED: usize = 0x1000_0000;
@@ -29,16 +24,4 @@ pub unsafe fn core_coupled_memory() -> (&'static mut [u8], &'static mut MaybeUni
     // SAFETY: RAM of the chip outside of what the linker uses, with some content, in two parts; by the condition of this function
     // there is no other reference to it. The second part is aligned to 1024 bytes.
     unsafe { (core::slice::from_raw_parts_mut(capture, CAPTURE_BYTES), &mut *usb) }
-}
-
-/// The drives under the control of a host.
-pub type Drive = HostedDrive<'static, Fixed, AXES>;
-
-/// The drives behind a lock, which holds off the ticks.
-pub struct Locked<M>(pub M);
-
-impl<M: Mutex<T = Drive>> SharedDrive<'static, Fixed, AXES> for Locked<M> {
-    fn with<R>(&mut self, access: impl FnOnce(&mut Drive) -> R) -> R {
-        self.0.lock(access)
-    }
 }

@@ -3,10 +3,8 @@
 //! TIM1 is configured by its registers: PWM drivers of libraries let the outputs restart automatically after a break (AOE)
 //! and let the pins float while the outputs are off (OSSI).
 //!
-//! The pulse is at the end of the period (PWM mode 2), and a direction pin is set in the first microsecond of the period in
-//! which its duty takes effect: direction and pulse match for any duty.
+//! The pulse is at the end of the period (PWM mode 2); what the signals are is in [`crate::two_drives`].
 
-use shared::drive::{DriveSignal, Duty};
 use stm32f4xx_hal::gpio::{Alternate, Output, PA8, PA9, PB12, PB14, PC10, PC11, PD2};
 use stm32f4xx_hal::pac::{self, TIM1};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
@@ -41,9 +39,6 @@ pub struct Stages {
     pins: Pins,
     analog: AnalogOutputs,
     full_counts: u16,
-    enabled: bool,
-    /// Directions of the duties that take effect in the next period.
-    reverse: [bool; AXES],
 }
 
 impl Stages {
@@ -83,7 +78,7 @@ impl Stages {
         timer.egr().write(|w| w.ug().set_bit());
         timer.sr().write(|w| w.uif().clear_bit().bif().clear_bit());
         timer.cr1().write(|w| w.arpe().set_bit().cen().set_bit());
-        Self { timer, pins, analog, full_counts, enabled: false, reverse: [false; AXES] }
+        Self { timer, pins, analog, full_counts }
     }
 
     /// PWM counts of full duty.
@@ -91,37 +86,27 @@ impl Stages {
         self.full_counts
     }
 
-    /// Sets the directions that belong to the duties of this period. To be called at its start.
-    pub fn begin_period(&mut self) {
-        let [x, y] = self.reverse;
+    /// Sets the direction pins.
+    pub fn set_directions(&mut self, [x, y]: [bool; AXES]) {
         self.pins.directions.0.set_state(x.into());
         self.pins.directions.1.set_state(y.into());
     }
 
-    /// Sets the inputs of the drives. Pulses and directions are those of the next period, because the compare registers are
-    /// buffered; an analogue output changes at once.
-    pub fn set(&mut self, signals: [DriveSignal; AXES]) {
-        for (axis, (signal, next)) in signals.into_iter().zip(&mut self.reverse).enumerate() {
-            let Duty { reverse, counts } = match signal {
-                DriveSignal::Pwm(pulse) | DriveSignal::Steps { pulse, .. } => pulse,
-                DriveSignal::Analog(counts) => {
-                    self.analog.set(axis, counts);
-                    Duty::default()
-                }
-            };
-            *next = reverse;
-            let compare = if axis == 0 { self.timer.ccr1() } else { self.timer.ccr2() };
-            compare.write(|w| w.ccr().set(self.full_counts.saturating_sub(counts)));
-        }
+    /// Sets the compare value of an axis, for the next period.
+    pub fn set_compare(&mut self, axis: usize, counts: u16) {
+        let compare = if axis == 0 { self.timer.ccr1() } else { self.timer.ccr2() };
+        compare.write(|w| w.ccr().set(counts));
+    }
+
+    /// Sets the analogue output of an axis.
+    pub fn set_analog(&mut self, axis: usize, counts: u16) {
+        self.analog.set(axis, counts);
     }
 
     /// Enables or disables the stages immediately.
-    pub fn set_enabled(&mut self, enabled: bool) {
-        if enabled != self.enabled {
-            self.timer.bdtr().modify(|_, w| w.moe().bit(enabled));
-            self.pins.enable.set_state(enabled.into());
-            self.enabled = enabled;
-        }
+    pub fn set_outputs(&mut self, on: bool) {
+        self.timer.bdtr().modify(|_, w| w.moe().bit(on));
+        self.pins.enable.set_state(on.into());
     }
 
     /// Opens or closes the brakes.
@@ -130,7 +115,7 @@ impl Stages {
     }
 
     /// Whether the break has been active since the last call. The flag cannot be cleared while the input is low.
-    pub fn are_stopped(&mut self) -> bool {
+    pub fn take_stop(&mut self) -> bool {
         let stopped = self.timer.sr().read().bif().bit_is_set();
         if stopped {
             self.timer.sr().modify(|_, w| w.bif().clear_bit());

@@ -16,6 +16,7 @@ use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 use usb_device::bus::UsbBusAllocator;
 
 use super::uart::Uart;
+use crate::f405::IDENTITY;
 use crate::setup::{self, AXES};
 use crate::usb_port::{CdcPort, UsbIdentity};
 
@@ -83,7 +84,7 @@ pub fn start(
     let identity = UsbIdentity {
         ids: setup::USB_IDS,
         manufacturer: setup::USB_MANUFACTURER,
-        product: setup::IDENTITY.board,
+        product: IDENTITY.board,
         serial: &memory.serial,
     };
     let port = CdcPort::new(allocator, &identity).ok()?;

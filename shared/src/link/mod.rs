@@ -15,6 +15,7 @@
 //! | [`server`] | the part that runs between ticks: executes requests |
 //! | [`settings_memory`] | what was uploaded, in flash |
 //! | [`port`] | what a board provides: bytes, and access to the part in the tick |
+//! | [`can_frames`] | the bytes in frames of CAN FD |
 //! | [`two_ports`] | two ports with one server: which of them is the host's |
 //!
 //! # Rules
@@ -32,6 +33,7 @@
 //! - A motion is checked whole before it starts. A request that is refused changes nothing.
 
 pub mod board_settings;
+pub mod can_frames;
 pub mod envelope;
 pub mod feed_override;
 pub mod halt;

@@ -1,4 +1,5 @@
-//! Two ports with one server: a serial port and USB. Which of them is the host's.
+//! Two ports with one server: a serial port and USB. Which of them is the host's. A board without USB may have a CAN port in its place
+//! ([`super::can_frames`]).
 //!
 //! The server has one session. It reads and writes the *selected* port only, at the start the serial port. A session at the other
 //! port begins with a [`Hello`](Request::Hello), and is refused while the host at the selected port is not silent

@@ -129,10 +129,16 @@ impl Scalar for Fixed {
     const SIGNAL_LIMIT: f64 = 131_072.0;
     const SIGNAL_STEP: f64 = 1.0 / 16_384.0;
 
+    // The tick has constants. A program that is optimised for size would convert them there, by code that can panic.
+    #[expect(clippy::inline_always, reason = "constants have to be converted by the compiler")]
+    #[inline(always)]
     fn gain(value: f64) -> I8F24 {
         I8F24::saturating_from_num(value)
     }
 
+    // As a gain.
+    #[expect(clippy::inline_always, reason = "constants have to be converted by the compiler")]
+    #[inline(always)]
     fn signal(value: f64) -> Self {
         Self(I18F14::saturating_from_num(value))
     }

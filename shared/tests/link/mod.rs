@@ -3,6 +3,7 @@
 
 mod axes;
 mod brakes;
+mod can_frames;
 mod direction;
 mod envelope;
 mod excitation;

@@ -163,11 +163,12 @@ fn the_flash_waits_for_the_tick_that_switches_the_power_stages_off() {
     let mut rig = Rig::enabled();
     rig.drive.disable();
     assert!(rig.plant.enabled);
-    assert_eq!(rig.drive.without_ticks(|| Ok(())), Err(Refusal::DrivesOn));
+    assert_eq!(rig.drive.begin_flash_access(), Err(Refusal::DrivesOn));
     rig.run(1);
     assert!(!rig.plant.enabled);
     rig.drive.enable().unwrap();
-    assert_eq!(rig.drive.without_ticks(|| Ok(7)), Ok(7));
+    assert_eq!(rig.drive.begin_flash_access(), Ok(()));
+    rig.drive.end_flash_access();
     rig.run(5);
     assert_eq!((rig.status().power, rig.plant.enabled), (Power::Off, false));
 }

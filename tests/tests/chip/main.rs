@@ -6,6 +6,7 @@ mod board_boot;
 mod cost;
 mod fault_table;
 mod flash_model;
+mod g474;
 mod panic_free;
 mod processor_in_the_loop;
 mod random_motions;

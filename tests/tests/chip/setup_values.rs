@@ -1,8 +1,9 @@
 //! The values of the board's table against the page of its wiring, `docs/firmware.md`, and against the parts that it names: computed here from
 //! resistors, leads and lines, not from the constants.
 
+use firmware::f405::{CORE_HZ, IDENTITY};
 use firmware::setup::{
-    BLINK_TICKS, BUS_MV_PER_COUNT, CRYSTAL_HZ, ENVELOPE, IDENTITY, MotorSensor, PWM_HZ, RATES, SETTINGS,
+    BLINK_TICKS, BUS_MV_PER_COUNT, CRYSTAL_HZ, ENVELOPE, MotorSensor, PWM_HZ, RATES, SETTINGS,
     SWITCH_SETTLING_TICKS, SetupError, TABLE, TEMPERATURE, TICK_HZ, TOLERATED_TICKS, TemperatureSensor,
     tick_clock,
 };
@@ -68,7 +69,7 @@ fn times_are_those_of_the_page() {
     assert_eq!((TICK_HZ, PWM_HZ, CRYSTAL_HZ), (20_000, 20_000, 8_000_000));
     assert_eq!((RATES.velocity_loop_hz.to_bits(), RATES.position_loop_divider), (20e3_f64.to_bits(), 5));
     assert_eq!((SWITCH_SETTLING_TICKS, BLINK_TICKS), (20 * 20, 20_000 / 4));
-    let clock = tick_clock(168_000_000);
+    let clock = tick_clock(CORE_HZ);
     assert_eq!((clock.counts_per_tick.get(), clock.tolerated, TOLERATED_TICKS), (8400, 0, 0));
 }
 

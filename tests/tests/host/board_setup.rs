@@ -1,8 +1,9 @@
 //! The settings of the board are accepted. With them a simulated machine of two masses holds, moves and stops.
 
 use crate::slide::Slide;
+use firmware::f405::CORE_HZ;
 use firmware::setup::{
-    AXES, BoardDrives, ENVELOPE, METRES_PER_COUNT, SETTINGS, TABLE, TICK_HZ, drive_system,
+    AXES, BoardDrives, ENVELOPE, METRES_PER_COUNT, SETTINGS, TABLE, TICK_HZ, drive_system, tick_clock,
 };
 use shared::axis::Reading;
 use shared::drive::{Board, DriveSignal, Duty};
@@ -107,7 +108,7 @@ const CIRCLE: Block<AXES> = Block::arc([0, 1], [-0.01, 0.0], 2.0, 2.0 / 60.0, 0.
 fn the_board_holds_when_it_is_enabled_and_follows_its_path() {
     let mut machine = Machine::UNCONFIGURED;
     let mut test_machine = TestMachine::new();
-    let mut system = drive_system(&mut machine, FULL_COUNTS).unwrap();
+    let mut system = drive_system(&mut machine, FULL_COUNTS, tick_clock(CORE_HZ)).unwrap();
     let run = |system: &mut BoardDrives<'_>, test_machine: &mut TestMachine, milliseconds: u32| {
         let mut max_error = 0f64;
         for _ in 0..milliseconds * (TICK_HZ / 1000) {
@@ -162,7 +163,7 @@ fn a_frozen_encoder_switches_the_power_stages_off() {
     let mut machine = Machine::UNCONFIGURED;
     let mut test_machine = TestMachine::new();
     test_machine.closed = false;
-    let mut system = drive_system(&mut machine, FULL_COUNTS).unwrap();
+    let mut system = drive_system(&mut machine, FULL_COUNTS, tick_clock(CORE_HZ)).unwrap();
     for _ in 0..1000 {
         system.tick(&mut test_machine);
     }
@@ -201,7 +202,7 @@ fn after_a_watchdog_reset_an_enable_of_the_board_needs_an_acknowledgement() {
     let mut machine = Machine::UNCONFIGURED;
     let mut test_machine = TestMachine::new();
     test_machine.closed = false;
-    let mut system = drive_system(&mut machine, FULL_COUNTS).unwrap();
+    let mut system = drive_system(&mut machine, FULL_COUNTS, tick_clock(CORE_HZ)).unwrap();
     system.machine_mut().inhibit_enable(Fault::Watchdog);
     let mut run = |test_machine: &mut TestMachine, closed, ticks| {
         test_machine.closed = closed;

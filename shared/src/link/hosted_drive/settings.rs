@@ -42,13 +42,13 @@ impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
         }
     }
 
-    /// Accesses the flash that holds the program: no tick runs until `access` has ended, so that the power stages have to be off.
-    /// Positions of counters that wrap may be lost meanwhile: every axis loses its reference.
+    /// Before an access to the flash that holds the program, which may stop the program: the power stages have to be off. What follows
+    /// holds off no tick; on a chip that can execute its program meanwhile the ticks continue.
     ///
     /// # Errors
-    /// Refusals of [`HostedDrive::is_off`] and of the access; [`Refusal::DrivesOn`] until a tick has switched the power stages off;
+    /// Refusals of [`HostedDrive::is_off`]; [`Refusal::DrivesOn`] until a tick has switched the power stages off;
     /// [`Refusal::Moving`] while a direction check waits for the enable switch or pushes an axis.
-    pub fn without_ticks<R>(&mut self, access: impl FnOnce() -> Result<R, Refusal>) -> Result<R, Refusal> {
+    pub fn begin_flash_access(&mut self) -> Result<(), Refusal> {
         self.is_off()?;
         if self.system.is_checking() {
             return Err(Refusal::Moving);
@@ -58,9 +58,12 @@ impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
         }
         // One that waits for the next tick: the drives stay off.
         self.machine_mut().disable();
-        let result = access();
+        Ok(())
+    }
+
+    /// After the access. Positions of counters that wrap may be lost meanwhile: every axis loses its reference.
+    pub fn end_flash_access(&mut self) {
         (0..N).for_each(|axis| self.machine_mut().lose_reference(axis));
-        result
     }
 
     /// Reports a fault that was found at the start, drives off: it has to be acknowledged before an enable. A second one is only

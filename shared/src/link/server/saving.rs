@@ -2,6 +2,7 @@
 
 use embedded_storage::nor_flash::NorFlash;
 
+use super::super::hosted_drive::HostedDrive;
 use super::super::port::SharedDrive;
 use super::super::refusal::Refusal;
 use super::super::report::{SettingsReport, SettingsSource, StoredRecord};
@@ -15,7 +16,19 @@ pub(super) fn begin_save<'m, S: Scalar, D: SharedDrive<'m, S, N>, F: NorFlash, c
     access: &mut Access<'_, D, F>,
 ) -> Result<(), Refusal> {
     let Access { drive, memory } = access;
-    drive.with(|drive| drive.without_ticks(|| memory.begin()))
+    access_flash(*drive, || memory.begin())
+}
+
+/// Accesses the flash with the power stages off. Only the server switches them on, so that they stay off meanwhile, without a lock that would
+/// hold off the ticks.
+pub(super) fn access_flash<'m, S: Scalar, R, const N: usize>(
+    drive: &mut impl SharedDrive<'m, S, N>,
+    access: impl FnOnce() -> Result<R, Refusal>,
+) -> Result<R, Refusal> {
+    drive.with(HostedDrive::begin_flash_access)?;
+    let result = access();
+    drive.with(HostedDrive::end_flash_access);
+    result
 }
 
 impl<const N: usize> ServerState<N> {
@@ -25,7 +38,7 @@ impl<const N: usize> ServerState<N> {
         access: &mut Access<'_, D, F>,
     ) -> Result<(), Refusal> {
         let Access { drive, memory } = access;
-        let number = drive.with(|drive| drive.without_ticks(|| memory.commit()))?;
+        let number = access_flash(*drive, || memory.commit())?;
         self.report = SettingsReport { source: SettingsSource::Record, stored: StoredRecord::Valid(number) };
         Ok(())
     }

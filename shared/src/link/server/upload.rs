@@ -7,6 +7,7 @@ use super::super::port::SharedDrive;
 use super::super::refusal::{Refusal, UploadError};
 use super::super::report::SettingsSource;
 use super::compensation_reader;
+use super::saving::access_flash;
 use super::state::{Access, ServerState, Upload};
 use crate::compensate::{AxisCompensation, AxisOf, CompensationSettings, Dependence};
 use crate::config::Rates;
@@ -66,7 +67,7 @@ impl<const N: usize> ServerState<N> {
         let bytes = self.upload.checked(length, checksum)?;
         let Access { drive, memory } = access;
         if memory.is_open() {
-            drive.with(|drive| drive.without_ticks(|| memory.append(kind, bytes)))?;
+            access_flash(*drive, || memory.append(kind, bytes))?;
         }
         let applied = self.apply_upload(kind, *drive);
         match applied {

@@ -11,7 +11,8 @@ mod stored;
 mod ticks;
 mod wiring;
 
-use firmware::setup::{IDENTITY, RATES};
+use firmware::f405::IDENTITY;
+use firmware::setup::RATES;
 use shared::config::Brake;
 use shared::link::report::UsbState;
 use shared::link::{Refusal, Reply, Request};

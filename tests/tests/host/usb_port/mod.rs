@@ -8,7 +8,8 @@ mod bus;
 mod rig;
 
 use bus::{Bus, Event};
-use firmware::setup::{IDENTITY, USB_IDS, USB_MANUFACTURER};
+use firmware::f405::IDENTITY;
+use firmware::setup::{USB_IDS, USB_MANUFACTURER};
 use firmware::usb_port::{CdcPort, UsbIdentity};
 use rig::{Draws, Line, Rig, TICK_HZ, TIMES};
 use shared::link::message::{FromBoard, Reply, Request};

@@ -5,24 +5,12 @@ use shared::feedback::ScaleSignal;
 use shared::feedback::resolver::{Resolver, Sample};
 use shared::figures::EncoderSignals;
 use shared::units::Position;
-use stm32f4xx_hal::pac::{TIM3, TIM4, TIM5, TIM8};
-use stm32f4xx_hal::rcc::Rcc;
 
-use super::converter::Conversions;
-use super::quadrature::{EncoderTimer, FreeCounter, LongFreeCounter, LongQuadrature, Quadrature};
+use super::Conversions;
+use super::counters::{
+    Counters, FreeCounter, IndexedCounter, LongFreeCounter, LongQuadrature, Quadrature, Timers,
+};
 use crate::setup::{AXES, AxisTable, MotorSensor, SetupError};
-
-/// The timers of motor encoders and scales.
-pub struct Timers {
-    /// Motor encoder of X.
-    pub x: TIM3,
-    /// Motor encoder of Y.
-    pub y: TIM4,
-    /// Scale of X.
-    pub x_scale: TIM5,
-    /// Scale of Y.
-    pub y_scale: TIM8,
-}
 
 /// The sensor of a motor. A resolver is started by its first samples, and has a sample from its first tick on.
 enum Motor<Timer> {
@@ -30,11 +18,11 @@ enum Motor<Timer> {
     Resolver(Resolver, Option<Sample>),
 }
 
-impl<Timer: EncoderTimer<Count = u16>> Motor<Timer> {
-    fn new(timer: Timer, sensor: &MotorSensor, rcc: &mut Rcc) -> Result<Self, SetupError> {
+impl<Timer: IndexedCounter<Count = u16>> Motor<Timer> {
+    fn new(timer: Timer, sensor: &MotorSensor) -> Result<Self, SetupError> {
         match sensor {
             MotorSensor::Encoder { metres_per_count } => {
-                Quadrature::new(timer, *metres_per_count, rcc).map(Self::Encoder)
+                Quadrature::new(timer, *metres_per_count).map(Self::Encoder)
             }
             MotorSensor::Resolver(settings) => {
                 // Position zero is at phase zero of its cycle.
@@ -81,47 +69,47 @@ impl<Timer: EncoderTimer<Count = u16>> Motor<Timer> {
 }
 
 /// What is at the input of the scale of x.
-enum XScale {
-    Scale(LongQuadrature<TIM5>),
-    Counter(FreeCounter),
+enum XScale<Timer> {
+    Scale(LongQuadrature<Timer>),
+    Counter(FreeCounter<Timer>),
 }
 
 /// What is at the input of the scale of y.
-enum YScale {
-    Scale(Quadrature<TIM8>),
-    Counter(LongFreeCounter),
+enum YScale<Timer> {
+    Scale(Quadrature<Timer>),
+    Counter(LongFreeCounter<Timer>),
 }
 
 /// The sensors of both axes, read once in a tick.
-pub struct Sensors {
-    x: Motor<TIM3>,
-    y: Motor<TIM4>,
-    x_scale: XScale,
-    y_scale: YScale,
+pub struct Sensors<C: Counters> {
+    x: Motor<C::X>,
+    y: Motor<C::Y>,
+    x_scale: XScale<C::XScale>,
+    y_scale: YScale<C::YScale>,
     /// The counters where there is no scale.
     counters: [Option<u32>; AXES],
     scale_signals: [ScaleSignal; AXES],
     readings: [Reading; AXES],
 }
 
-impl Sensors {
-    /// Starts the counters, with position zero at the present position.
+impl<C: Counters> Sensors<C> {
+    /// Position zero is the present position.
     ///
     /// # Errors
     /// [`SetupError::Encoder`] for a count or a resolver of the table.
-    pub fn new(table: &[AxisTable; AXES], timers: Timers, rcc: &mut Rcc) -> Result<Self, SetupError> {
+    pub fn new(table: &[AxisTable; AXES], timers: Timers<C>) -> Result<Self, SetupError> {
         let [x, y] = table;
         let x_scale = match x.scale_m_per_count {
-            Some(metres) => XScale::Scale(LongQuadrature::new(timers.x_scale, metres, rcc)?),
-            None => XScale::Counter(FreeCounter::new(timers.x_scale, rcc)),
+            Some(metres) => XScale::Scale(LongQuadrature::new(timers.x_scale, metres)?),
+            None => XScale::Counter(FreeCounter(timers.x_scale)),
         };
         let y_scale = match y.scale_m_per_count {
-            Some(metres) => YScale::Scale(Quadrature::new(timers.y_scale, metres, rcc)?),
-            None => YScale::Counter(LongFreeCounter::new(timers.y_scale, rcc)),
+            Some(metres) => YScale::Scale(Quadrature::new(timers.y_scale, metres)?),
+            None => YScale::Counter(LongFreeCounter::new(timers.y_scale)),
         };
         Ok(Self {
-            x: Motor::new(timers.x, &x.motor, rcc)?,
-            y: Motor::new(timers.y, &y.motor, rcc)?,
+            x: Motor::new(timers.x, &x.motor)?,
+            y: Motor::new(timers.y, &y.motor)?,
             x_scale,
             y_scale,
             counters: [None; AXES],

@@ -1,0 +1,195 @@
+//! Each input reaches its axis and end, and each output is that of its axis: on the model, with the drives on.
+
+use firmware::setup::CAN_TO_BOARD;
+use shared::link::can_frames::CanFrame;
+use shared::link::{Reply, Request};
+use shared::safety::{Fault, FaultKind, Power};
+
+use super::board::{Board, CONTACTS, Port, SWITCH};
+use super::model::{GPIOA, GPIOC, GPIOD, TIM1, set_can_flags};
+use shared::drive::Board as _;
+
+/// Status registers of the motor encoders of X and Y and of the scales, the flag of the index, and the offset of the captured count.
+const INDEXES: [(u32, u32, u32); 4] = [
+    (0x4000_0400, 1 << 3, 0x3c),
+    (0x4000_0800, 1 << 4, 0x40),
+    (0x4000_0c00, 1 << 3, 0x3c),
+    (0x4001_3400, 1 << 3, 0x3c),
+];
+
+fn status(board: &mut Board) -> Power {
+    let Reply::Status(status) = board.ask(&Request::Status) else { panic!("no status") };
+    status.power
+}
+
+/// Limit switches, drive faults, home switches, the signals of the scales, the probe and the stop: each contact alone.
+#[test]
+fn each_contact_is_its_own_input() {
+    let mut board = Board::start(Port::Serial);
+    let inputs = |board: &mut Board| {
+        board.tick();
+        board.parts.hardware.inputs()
+    };
+    let normal = inputs(&mut board);
+    assert!(!normal.emergency_stop && !normal.probe_touched);
+    for (bit, axis, end) in [(1, 0, 0), (5, 0, 1), (4, 1, 0), (13, 1, 1)] {
+        board.set_contacts(CONTACTS & !(1 << bit));
+        let mut expected = normal.clone();
+        expected.axes[axis].limits[end] = true;
+        assert_eq!(format!("{:?}", inputs(&mut board)), format!("{expected:?}"), "PB{bit}");
+    }
+    for (bit, axis) in [(2, 0), (3, 1)] {
+        board.set_contacts(CONTACTS & !(1 << bit));
+        assert!(inputs(&mut board).axes[axis].drive_fault && !inputs(&mut board).axes[1 - axis].drive_fault);
+    }
+    board.set_contacts(CONTACTS & !(1 << 12));
+    assert!(inputs(&mut board).emergency_stop);
+    board.set_contacts(CONTACTS);
+    for (bit, axis) in [(9, 0), (12, 1)] {
+        board.set_homes(1 << bit);
+        let axes = inputs(&mut board).axes;
+        assert!(axes[axis].home && !axes[1 - axis].home, "PC{bit}");
+    }
+    board.model.set(GPIOA + 0x10, 1 << 3 | 1 << 10);
+    assert!(inputs(&mut board).probe_touched);
+    for (present, axis) in [(1 << 10, 0), (1 << 3, 1)] {
+        board.model.set(GPIOA + 0x10, present | 1 << 15);
+        let _ = inputs(&mut board);
+        let readings = board.parts.hardware.readings();
+        assert!(readings[axis].table.is_none() && readings[1 - axis].table.is_some(), "axis {axis}");
+        board = Board::start(Port::Serial);
+    }
+}
+
+/// Each counter is the reading of its sensor, and each index latches it: TIM4 on its fourth channel.
+#[test]
+fn each_counter_is_its_own_sensor() {
+    let mut board = Board::start(Port::Serial);
+    board.tick();
+    for (number, (timer, flag, captured)) in INDEXES.into_iter().enumerate() {
+        let before = board.parts.hardware.readings();
+        board.model.set(timer + 0x24, 100);
+        board.model.set(timer + captured, 60);
+        board.model.set(timer + 0x10, flag);
+        board.parts.hardware.begin_tick();
+        let (after, inputs) = (board.parts.hardware.readings(), board.parts.hardware.inputs());
+        let (axis, is_scale) = (number % 2, number / 2 == 1);
+        let moved = |axis: usize| {
+            [
+                after[axis].motor != before[axis].motor,
+                after[axis].table.map(|position| position.0) != before[axis].table.map(|position| position.0),
+            ]
+        };
+        assert_eq!((moved(axis), moved(1 - axis)), ([!is_scale, is_scale], [false; 2]), "{timer:#x}");
+        let indexes = inputs.axes.map(|axis| [axis.motor_index.is_some(), axis.scale_index.is_some()]);
+        let mut expected = [[false; 2]; 2];
+        expected[axis][usize::from(is_scale)] = true;
+        assert_eq!(indexes, expected, "{timer:#x}");
+        board.model.set(timer + 0x10, 0);
+    }
+}
+
+/// Bus voltage and temperature are those of their inputs, 48 V and 25 °C; resolvers are not fitted.
+#[test]
+fn the_supply_is_that_of_its_inputs() {
+    let mut board = Board::start(Port::Serial);
+    board.tick();
+    let supply = board.parts.hardware.inputs().supply;
+    assert!(supply.bus_mv.unwrap().abs_diff(48_000) < 20, "{supply:?}");
+    assert!(supply.temperature_mc.unwrap().abs_diff(25_000) < 100, "{supply:?}");
+}
+
+/// A host at either port enables the drives; an axis that is displaced is pushed back by its own duty and direction; the host disables them.
+#[test]
+fn a_host_at_either_port_enables_the_drives_which_push_back() {
+    for port in [Port::Serial, Port::Can] {
+        for (axis, timer) in [(0, 0x4000_0424), (1, 0x4000_0824)] {
+            let mut board = Board::enabled(port);
+            assert_eq!(status(&mut board), Power::On);
+            for counts in 1..=20 {
+                board.model.set(timer, counts);
+                board.tick();
+            }
+            let compares = [0, 4].map(|at| board.model.word(TIM1 + 0x34 + at));
+            // At 8500 there is no pulse.
+            assert!(compares[axis] < 8500, "{compares:?}");
+            assert_eq!(compares[1 - axis], 8500);
+            board.tick();
+            let directions = board.model.word(GPIOC + 0x14) >> 10 & 0b11;
+            assert_eq!(directions, 1 << axis, "towards zero, only this axis");
+            assert_eq!(board.ask(&Request::Disable), Reply::Done);
+            board.ticks(2);
+            assert_eq!(board.outputs(), [false; 2]);
+            assert_eq!([0, 4].map(|at| board.model.word(TIM1 + 0x34 + at)), [8500; 2]);
+        }
+    }
+}
+
+/// Each of these switches the drives off in the next tick, and is named: the stop, by its pin or by the break that was active for a moment, by the pin or
+/// by the supply of the chip; drive faults. The light goes on: PC13 low.
+#[test]
+fn what_fails_switches_the_drives_off() {
+    let drive = |axis| Fault::Axis { axis, kind: FaultKind::DriveFault };
+    for (contact, flags, fault) in [
+        (12, 0, Fault::EmergencyStop),
+        (2, 0, drive(0)),
+        (3, 0, drive(1)),
+        (31, 1 << 7, Fault::HardwareStop),
+        (31, 1 << 13, Fault::HardwareStop),
+    ] {
+        let mut board = Board::enabled(Port::Serial);
+        assert_eq!(board.model.word(GPIOC + 0x14) >> 13 & 1, 1);
+        board.set_contacts((CONTACTS | SWITCH) & !(1 << contact));
+        board.model.set(TIM1 + 0x10, flags | 1);
+        board.tick();
+        assert_eq!(board.outputs(), [false; 2], "{fault:?}");
+        assert_eq!(board.model.word(GPIOC + 0x14) >> 13 & 1, 0);
+        // The flag of the break is cleared, the other stays.
+        assert_eq!(board.model.word(TIM1 + 0x10), 1);
+        assert_eq!(status(&mut board), Power::Faulted(fault));
+    }
+}
+
+/// A tick that is due before the present one has ended is a fault.
+#[test]
+fn a_late_tick_is_a_fault() {
+    let mut board = Board::enabled(Port::Serial);
+    let parts = &mut board.parts;
+    parts.hardware.begin_tick();
+    board.model.set(0x4000_0010, 1);
+    parts.drive.tick(&mut parts.hardware);
+    assert_eq!(board.outputs(), [false; 2]);
+    // The next one clears the flag.
+    board.parts.hardware.begin_tick();
+    assert_eq!(board.model.word(0x4000_0010), 0);
+}
+
+/// The brakes are closed with the drives off; without an axis that has one they stay closed.
+#[test]
+fn the_brakes_stay_closed_without_an_axis_that_has_one() {
+    let board = Board::enabled(Port::Serial);
+    assert_eq!(board.model.word(GPIOD + 0x14) & 1 << 2, 0);
+    assert!(board.model.written(GPIOD + 0x18).iter().all(|value| *value == 1 << 18));
+}
+
+/// Frames of another identifier and frames that are not of the link change nothing; after an error that switched the device off the bus it joins
+/// it again.
+#[test]
+fn other_frames_and_a_bus_that_fails_do_not_end_the_session() {
+    let mut board = Board::enabled(Port::Can);
+    let (frame, _) = CanFrame::of_stream(&[1, 2, 3]).unwrap();
+    let arrives = |board: &Board, identifier| board.model.with(|state| state.can.receive(identifier, &frame));
+    let to_board = u32::from(CAN_TO_BOARD);
+    assert!(!arrives(&board, to_board ^ 1) && !arrives(&board, to_board ^ 0x400));
+    assert!(arrives(&board, to_board));
+    set_can_flags(board.model, 1);
+    board.tick();
+    // The bytes before the next packet are lost with it, and its repetition is answered.
+    board.model.with(|state| state.can.is_on_bus = false);
+    set_can_flags(board.model, 1 << 19);
+    board.tick();
+    assert!(board.model.with(|state| state.can.is_on_bus));
+    board.host.end_of_packet();
+    assert_eq!(status(&mut board), Power::On);
+    assert_eq!(board.parts.can.lost(), 0);
+}
