@@ -123,17 +123,8 @@ impl Stepper<f64> {
         }
         let offset_m = error_m - parameters.screw.yielded_m(middle_m, deflection_m);
         let stretch_m = deflection_m - parameters.screw.absorbed_m(middle_m, deflection_m);
-        let loop_m = self.hysteresis_m(parameters, motion, stretch_m);
+        let loop_m = hysteresis_m(parameters, motion, stretch_m);
         Coupling { transition: &self.in_contact, offset_m: offset_m + loop_m }
-    }
-
-    /// Stretch of the spring that would carry what its hysteresis does after it has come to a stretch, m.
-    fn hysteresis_m(&self, parameters: &AxisParameters, motion: &mut AxisMotion, stretch_m: f64) -> f64 {
-        let hysteresis = &parameters.screw.hysteresis;
-        let Some(spring) = parameters.spring.as_ref().filter(|_| hysteresis.acts()) else { return 0.0 };
-        motion.hysteresis = hysteresis.after(motion.hysteresis, stretch_m - motion.stretch_m);
-        motion.stretch_m = stretch_m;
-        hysteresis.carried_n(motion.hysteresis) / spring.stiffness_n_per_m
     }
 
     /// Whether [`Stepper::pair`] accepts the axis: it has a spring of the same stiffness everywhere, and no backlash.
@@ -238,6 +229,15 @@ impl<L: Lane> Stepper<L> {
         });
         force_n + L::of(|axis| parameters[axis].torque_ripple_n(middle_m.lane(axis))) - friction_n
     }
+}
+
+/// Stretch of the spring that would carry what its hysteresis does after it has come to a stretch, m.
+fn hysteresis_m(parameters: &AxisParameters, motion: &mut AxisMotion, stretch_m: f64) -> f64 {
+    let hysteresis = &parameters.screw.hysteresis;
+    let Some(spring) = parameters.spring.as_ref().filter(|_| hysteresis.acts()) else { return 0.0 };
+    motion.hysteresis = hysteresis.after(motion.hysteresis, stretch_m - motion.stretch_m);
+    motion.stretch_m = stretch_m;
+    hysteresis.carried_n(motion.hysteresis) / spring.stiffness_n_per_m
 }
 
 /// Direction of the motors' friction that turns over, after a travel, m.

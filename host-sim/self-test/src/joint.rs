@@ -128,11 +128,13 @@ const KEY_ENDS: [[&str; 2]; 13] = [
 ];
 
 /// Results with the keys of linear axes for those of rotary ones. The numbers are the same.
+#[must_use]
 pub fn with_linear_keys(results: &Value) -> Value {
     renamed(results, &KEY_ENDS.map(|[linear, rotary]| [rotary, linear]))
 }
 
 /// A truth with the keys of rotary axes for those of linear ones.
+#[must_use]
 pub fn with_rotary_keys(truth: &Value) -> Value {
     renamed(truth, &KEY_ENDS)
 }

@@ -218,7 +218,7 @@ impl FlashModel {
             return;
         }
         let Some((at, low)) = self.half.take() else {
-            if offset % 8 == 0 {
+            if offset.is_multiple_of(8) {
                 self.half = Some((offset, value));
             } else {
                 self.sr |= PGAERR;

@@ -35,11 +35,16 @@ macro_rules! expected {
         block.$register().write(|$w| unsafe { $fields });
         let start: *const _ = block;
         let offset = block.$register().as_ptr().addr() - start.addr();
+        #[allow(
+            clippy::cast_ptr_alignment,
+            reason = "some registers are half-words, in the memory of whole words"
+        )]
+        // SAFETY: the memory of the test, of whole words.
+        let value = unsafe { block.$register().as_ptr().cast::<u32>().read_volatile() };
         Expected {
             name: concat!(stringify!($device), " ", stringify!($register)),
             address: u32::try_from(chip::$device::PTR.addr() + offset).unwrap(),
-            // SAFETY: the memory of the test, of whole words.
-            value: unsafe { block.$register().as_ptr().cast::<u32>().read_volatile() },
+            value,
         }
     }};
 }

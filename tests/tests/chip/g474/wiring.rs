@@ -34,7 +34,7 @@ fn each_contact_is_its_own_input() {
     assert!(!normal.emergency_stop && !normal.probe_touched);
     for (bit, axis, end) in [(1, 0, 0), (5, 0, 1), (4, 1, 0), (13, 1, 1)] {
         board.set_contacts(CONTACTS & !(1 << bit));
-        let mut expected = normal.clone();
+        let mut expected = normal;
         expected.axes[axis].limits[end] = true;
         assert_eq!(format!("{:?}", inputs(&mut board)), format!("{expected:?}"), "PB{bit}");
     }
