@@ -149,7 +149,7 @@ impl Covariance {
     }
 }
 
-/// Half widths of the 95 % confidence intervals of an effect's parameters, by Student's t. `indices` are those of the
+/// Half widths of the 95 % confidence intervals of an effect's parameters, by Student's t, with the error of the model itself. `indices` are those of the
 /// effect's coordinates in the covariance.
 #[must_use]
 pub fn half_widths(effect: &Effect, covariance: &Covariance, indices: Range<usize>) -> Vec<f64> {
@@ -174,7 +174,14 @@ pub fn half_widths(effect: &Effect, covariance: &Covariance, indices: Range<usiz
     let shifts = &jacobian * covariance.bias_shift.rows(indices.start, indices.len());
     let t = student_t_975(covariance.degrees_of_freedom);
     let both = |(variance, shift): (&f64, &f64)| libm::hypot(t * variance.max(0.0).sqrt(), *shift);
-    of_parameters.diagonal().iter().zip(&shifts).map(both).collect()
+    let of_fit = of_parameters.diagonal().iter().zip(&shifts).map(both).collect::<Vec<_>>();
+    let of_model =
+        parameters.iter().zip(&declared).map(|(value, declared)| declared.model_error * value.abs());
+    of_fit
+        .into_iter()
+        .zip(of_model)
+        .map(|(fit, model)| if model > 0.0 { libm::hypot(fit, model) } else { fit })
+        .collect()
 }
 
 /// Whether an effect is less than [`SearchOptions::min_size`] half widths of its interval large.

@@ -16,13 +16,16 @@ pub struct Parameter {
     pub period: Option<f64>,
     /// Whether the key holds a list of values.
     pub is_list: bool,
+    /// Half width of an interval of 95 %, as a part of the value, that is due to the model and not to the noise: the effect is a simple form of what
+    /// machines have. 0: none.
+    pub model_error: f64,
 }
 
 impl Parameter {
     /// A parameter that is not periodic.
     #[must_use]
     pub const fn new(key: &'static str, unit: Unit, range: Range) -> Self {
-        Self { key, unit, range, period: None, is_list: false }
+        Self { key, unit, range, period: None, is_list: false, model_error: 0.0 }
     }
 
     /// A list of numbers, each in this range.
