@@ -1,7 +1,7 @@
 //! The envelope of an axis: ceilings of its settings, which are compiled into the program of a board.
 
 use super::error::ConfigError;
-use super::gantry::GantrySettings;
+use super::gantry_settings::GantrySettings;
 use super::settings::{AxisSettings, Sensors};
 
 /// Ceilings of the settings of an axis.

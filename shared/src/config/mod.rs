@@ -27,13 +27,15 @@ pub(crate) mod check;
 pub mod envelope;
 pub mod error;
 pub mod gantry;
+pub mod gantry_settings;
 mod schedule;
 pub mod settings;
 
 pub use axis::{AxisConfig, BrakeTicks, UNLIMITED};
 pub use envelope::AxisEnvelope;
 pub use error::ConfigError;
-pub use gantry::{GantryConfig, GantrySettings};
+pub use gantry::GantryConfig;
+pub use gantry_settings::GantrySettings;
 pub use settings::{
     AxisSettings, Brake, GainSchedule, Law, LowPass, NOTCHES, Notch, Notches, Rates, SCHEDULE_POINTS,
     ScaleLimits, SchedulePoint, ScheduledOver, Sensors, VelocitySource,

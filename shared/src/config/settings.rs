@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::gantry::GantrySettings;
+use super::gantry_settings::GantrySettings;
 pub use crate::control::gain_schedule::{SCHEDULE_POINTS, ScheduledOver};
 use crate::interpolate::Smoothing;
 

@@ -116,6 +116,11 @@ impl<const N: usize> Path<N> {
         self.second_motors = SecondMotors::NONE;
     }
 
+    /// Sets the first motor of each axis that is the second motor of a gantry.
+    pub const fn set_second_motors(&mut self, firsts: [Option<usize>; N]) {
+        self.second_motors = SecondMotors { firsts };
+    }
+
     /// Sets which limit switches are active: blocks that move an axis further onto one are rejected.
     pub const fn set_blocked(&mut self, blocked: [[bool; 2]; N]) {
         self.blocked = blocked;

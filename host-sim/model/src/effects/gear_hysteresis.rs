@@ -83,9 +83,10 @@ impl EffectModel for GearHysteresis {
     const NAME: &'static str = "gear_hysteresis";
     const SUMMARY: &'static str = "loop of the force over the stretch between motor and table, of a gear or a belt: eight elements that stick and slip (Maxwell slip)";
     const PARAMETERS: &'static [Parameter] = &[
-        // Other gears have other elements; and a fit of elements that slip has several optima near to each other.
-        Parameter { model_error: 0.05, ..Parameter::new("force_n", Unit::Newton, Range::Positive) },
-        Parameter { model_error: 0.05, ..Parameter::new("travel_um", Unit::Micrometre, Range::Positive) },
+        // Where the stretch stays below 0.7 travels, force and travel are known by their ratio only: the fit has many optima along it, of which
+        // each seems sharp. Of 30 gears of the second simulator, the one that was furthest off was so by 39 and 33 %.
+        Parameter { model_error: 0.4, ..Parameter::new("force_n", Unit::Newton, Range::Positive) },
+        Parameter { model_error: 0.4, ..Parameter::new("travel_um", Unit::Micrometre, Range::Positive) },
     ];
     const OCCURRENCE: Occurrence = Occurrence::Once;
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];

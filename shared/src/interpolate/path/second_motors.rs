@@ -3,7 +3,6 @@
 //! Their commands are added behind the path. In a block they have to stay where they are, and the limit switches at their end of the beam
 //! are those of its first motor, too.
 
-use super::Path;
 use crate::interpolate::block::{Block, Shape};
 use crate::interpolate::error::PathError;
 use crate::units::Position;
@@ -14,7 +13,7 @@ const ROUNDING_M: f64 = 1e-9;
 /// The first motor of each axis that is a second one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SecondMotors<const N: usize> {
-    firsts: [Option<usize>; N],
+    pub firsts: [Option<usize>; N],
 }
 
 impl<const N: usize> SecondMotors<N> {
@@ -42,8 +41,8 @@ impl<const N: usize> SecondMotors<N> {
             Shape::Line { to_m } => self
                 .seconds(to_m.into_iter().zip(start))
                 .find(|((to_m, start), _)| {
-                    let way_m = libm::fabs(to_m - start.to_m());
-                    way_m.is_nan() || way_m > ROUNDING_M
+                    let distance_m = libm::fabs(to_m - start.to_m());
+                    distance_m.is_nan() || distance_m > ROUNDING_M
                 })
                 .map(|(_, axis)| axis),
             Shape::Arc { plane, .. } | Shape::ArcTo { plane, .. } => plane
@@ -67,12 +66,5 @@ impl<const N: usize> SecondMotors<N> {
             }
         }
         blocked
-    }
-}
-
-impl<const N: usize> Path<N> {
-    /// Sets the first motor of each axis that is the second motor of a gantry.
-    pub const fn set_second_motors(&mut self, firsts: [Option<usize>; N]) {
-        self.second_motors = SecondMotors { firsts };
     }
 }

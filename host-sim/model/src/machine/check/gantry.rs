@@ -5,7 +5,7 @@ use files::error::InputError;
 use shared::config::GantrySettings;
 
 use super::super::declared::Machine;
-use super::rotary;
+use super::super::rotary;
 use crate::axis::{KeyNames, Settings};
 use crate::servo;
 

@@ -151,8 +151,9 @@ fn every_written_effect_is_read_as_the_same_effect() {
     all.extend(crate::effects::KINDS.iter().flat_map(|kind| (kind.assumed)()));
     let of_unknown = crate::effects::initial_guesses(&stepper);
     let names: Vec<&str> = all.iter().chain(&of_unknown).map(Effect::name).collect();
-    // Of rotary axes: `gravity_is_that_of_a_rotary_axis`.
-    assert!(crate::effects::names().iter().all(|name| names.contains(name) || *name == "gravity"));
+    // Of rotary axes: `gravity_is_that_of_a_rotary_axis`, `the_hysteresis_of_a_gear_has_the_keys_of_its_axis`.
+    let of_rotary = ["gravity", "gear_hysteresis"];
+    assert!(crate::effects::names().iter().all(|name| names.contains(name) || of_rotary.contains(name)));
     // Axis x declares nothing but its drive.
     machine.axis["x"].settings.controller.drive = crate::axis::Drive::Stepper;
     let placed =
@@ -178,6 +179,22 @@ fn gravity_is_that_of_a_rotary_axis() {
     let linear = file("").replace("_nm", "_n");
     let refused = Machine::parse(&linear, "m.toml").err().unwrap().to_string();
     assert!(refused.contains("this effect only on a rotary axis"), "{refused}");
+}
+
+/// In N·m and mdeg; a belt drives a linear axis, in N and µm.
+#[test]
+fn the_hysteresis_of_a_gear_has_the_keys_of_its_axis() {
+    let rotary = "stiffness_nm_per_rad = 5e6\n[[axis.c.effect]]\nname = 'gear_hysteresis'\nforce_nm = 60.0\ntravel_mdeg = 1.5";
+    let linear = "stiffness_n_per_um = 90.0\n[[axis.c.effect]]\nname = 'gear_hysteresis'\nforce_n = 60.0\ntravel_um = 1.5";
+    for keys in [rotary, linear] {
+        let text = format!("name = 'm'\nsample_rate_hz = 1000.0\n[axis.c]\n{keys}\n");
+        let machine = Machine::parse(&text, "m.toml").unwrap();
+        assert_eq!(machine.axis["c"].effect[0].values(), [60.0, 1.5]);
+        assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
+    }
+    let rigid = "name = 'm'\nsample_rate_hz = 1000.0\n[axis.c]\n[[axis.c.effect]]\nname = 'gear_hysteresis'\nforce_n = 60.0\ntravel_um = 1.5\n";
+    let refused = Machine::parse(rigid, "m.toml").err().unwrap().to_string();
+    assert!(refused.contains("only where the stiffness between motor and table is given"), "{refused}");
 }
 
 #[test]
