@@ -184,8 +184,8 @@ fn gravity_is_that_of_a_rotary_axis() {
 /// In N·m and mdeg; a belt drives a linear axis, in N and µm.
 #[test]
 fn the_hysteresis_of_a_gear_has_the_keys_of_its_axis() {
-    let rotary = "stiffness_nm_per_rad = 5e6\n[[axis.c.effect]]\nname = 'gear_hysteresis'\nforce_nm = 60.0\ntravel_mdeg = 1.5";
-    let linear = "stiffness_n_per_um = 90.0\n[[axis.c.effect]]\nname = 'gear_hysteresis'\nforce_n = 60.0\ntravel_um = 1.5";
+    let rotary = "motor_inertia_kg_m2 = 5.0\ntable_inertia_kg_m2 = 6.0\nstiffness_nm_per_rad = 5e6\n[[axis.c.effect]]\nname = 'gear_hysteresis'\nforce_nm = 60.0\ntravel_mdeg = 1.5";
+    let linear = "motor_mass_kg = 80.0\ntable_mass_kg = 100.0\nstiffness_n_per_um = 90.0\n[[axis.c.effect]]\nname = 'gear_hysteresis'\nforce_n = 60.0\ntravel_um = 1.5";
     for keys in [rotary, linear] {
         let text = format!("name = 'm'\nsample_rate_hz = 1000.0\n[axis.c]\n{keys}\n");
         let machine = Machine::parse(&text, "m.toml").unwrap();
