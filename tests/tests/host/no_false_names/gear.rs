@@ -42,6 +42,10 @@ fn a_strain_wave_gear_has_hysteresis_and_an_error_twice_per_turn() {
         let found = value("gear_hysteresis", key);
         assert!((found / truth - 1.0).abs() < 0.05, "{key} {found}");
     }
+    // What the ratio of both leaves open where the torsion stays below its travel: 40 %, and more by what the noise adds.
+    for (half, (_, truth)) in found(&trace, 0, "gear_hysteresis").half_widths.iter().zip(truths) {
+        assert!((0.35..0.5).contains(&(half / truth)), "{half}");
+    }
     assert!((value("pitch_cyclic", "amplitude_um") / 3.0 - 1.0).abs() < 0.03, "{}", context(&trace));
     assert!((value("pitch_cyclic", "period_mm") / (0.5 * turn_mm) - 1.0).abs() < 0.02, "{}", context(&trace));
 }
