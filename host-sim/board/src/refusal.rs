@@ -335,7 +335,7 @@ const fn kind_text(kind: FaultKind) -> &'static str {
         FaultKind::EncoderSignal => "the encoder signal is too weak or too strong",
         FaultKind::LimitSwitch => "the command moves onto an active limit switch; jog back",
         FaultKind::GantrySkew => {
-            "skew of the gantry beyond its limit: its two motors are not where each other is; look at the beam"
+            "skew of the gantry beyond its limit: one end of the beam lags, or is blocked; look at the beam"
         }
         FaultKind::Displaced => "enabled away from the start of the path",
     }

@@ -62,10 +62,15 @@ fn gravity(mechanics: &mut Mechanics, random: &mut ChaCha8Rng) -> Vec<(&'static 
 fn hysteresis(mechanics: &mut Mechanics, random: &mut ChaCha8Rng) -> Vec<(&'static str, f64)> {
     let torque_nm = random.random_range(0.3..0.8) * mechanics.coulomb_n;
     let travel_m = random.random_range(0.5..1.5) * mechanics.coulomb_n / mechanics.stiffness_n_per_m;
-    let limit_n = torque_nm / SLIPPING as f64;
-    mechanics.slipping =
-        SLIPS_AT.map(|slips_at| Slipping { stiffness_n_per_m: limit_n / (slips_at * travel_m), limit_n });
+    mechanics.slipping = slipping(torque_nm, travel_m);
     vec![("force_n", torque_nm), ("travel_um", 1e6 * travel_m)]
+}
+
+/// The elements of a gear with a torque, N·m, within a travel, m.
+#[must_use]
+pub fn slipping(torque_nm: f64, travel_m: f64) -> [Slipping; SLIPPING] {
+    let limit_n = torque_nm / SLIPPING as f64;
+    SLIPS_AT.map(|slips_at| Slipping { stiffness_n_per_m: limit_n / (slips_at * travel_m), limit_n })
 }
 
 /// The declared stiffness, with that of a gear for that of a screw.
@@ -77,7 +82,7 @@ fn soften(declared: &mut Declared, softer: f64) {
 }
 
 /// Keys of a linear axis that a rotary one has under another name, and the factor of their values.
-const ROTARY_KEYS: [(&str, &str, f64); 13] = [
+const ROTARY_KEYS: [(&str, &str, f64); 12] = [
     ("motor_mass_kg", "motor_inertia_kg_m2", 1.0 / RAD_PER_M),
     ("table_mass_kg", "table_inertia_kg_m2", 1.0 / RAD_PER_M),
     ("stiffness_n_per_um", "stiffness_nm_per_rad", 1e6 / RAD_PER_M),
@@ -90,7 +95,6 @@ const ROTARY_KEYS: [(&str, &str, f64); 13] = [
     ("motor_coulomb_n", "motor_coulomb_nm", 1.0),
     ("force_limit_n", "torque_limit_nm", 1.0),
     ("lead_mm", "lead_deg", 1.0),
-    ("travel_mm", "travel_deg", 1.0),
 ];
 
 /// The table of a rotary axis in a machine file, from that of a linear axis in simulated metres.

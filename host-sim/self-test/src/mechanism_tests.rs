@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use super::joint;
 use super::machine::Axis;
 use super::motion::{Pace, Segment, sampled};
-use super::plant::{Mechanics, SLIPPING, Sinusoid, Slipping, State};
+use super::plant::{Mechanics, SLIPPING, Sinusoid, State};
 use super::sensors::Sensors;
 use super::servo::SAMPLE_S;
 use super::simulation;
@@ -62,11 +62,8 @@ fn waves_of_the_screw_move_the_table_and_their_sum_is_that_of_each() {
 /// element sticks until it carries its part, and slips then.
 #[test]
 fn a_gear_carries_what_the_history_of_its_stretch_says() {
-    let (limit_n, travel_m) = (60.0 / SLIPPING as f64, 3e-7);
-    let gear = |axis: &mut Axis| {
-        axis.mechanics.slipping = joint::SLIPS_AT
-            .map(|slips_at| Slipping { stiffness_n_per_m: limit_n / (travel_m * slips_at), limit_n });
-    };
+    let travel_m = 3e-7;
+    let gear = |axis: &mut Axis| axis.mechanics.slipping = joint::slipping(60.0, travel_m);
     let [(plain, _), (with_gear, [forth, back])] = [ideal(|_| {}), ideal(gear)].map(|axis| line(&axis));
     let stretch_mm = |log: &Log, at| difference(log, [Channel::Motor, Channel::Table], at);
     let (mut carried, mut before_mm) = ([0.0_f64; SLIPPING], 0.0);

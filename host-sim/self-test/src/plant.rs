@@ -173,7 +173,7 @@ impl State {
 }
 
 impl Mechanics {
-    /// At rest. Of a gear, which would keep what the error of its transmission strains it by, the spring is unstrained.
+    /// At rest. The spring of a gear starts unstrained, as its elements would keep a strain from the error of its transmission.
     #[must_use]
     pub fn resting(&self, at_m: f64) -> State {
         let has_gear = self.slipping.iter().any(|element| element.limit_n > 0.0);

@@ -275,7 +275,7 @@ fn monitor<S: Scalar>(settings: &AxisSettings, rates: &LoopRates) -> Result<Moni
         },
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
         saturation_budget_ticks: (ticks as u32).min(u32::MAX / 4 - 1),
-        travel: travel(settings.travel_m)?,
+        travel: travel(settings)?,
     })
 }
 
@@ -306,17 +306,17 @@ pub const UNLIMITED: [Position; 2] = {
     [Position(-limit), Position(limit)]
 };
 
-/// Least and greatest command.
-fn travel(travel_m: Option<[f64; 2]>) -> Result<[Position; 2], ConfigError> {
+/// Least and greatest command. The soft limits of a beam are those of its first motor, and the second has none.
+fn travel(settings: &AxisSettings) -> Result<[Position; 2], ConfigError> {
     let name = "travel_m";
     let out_of_range = ConfigError::OutOfRange { name, min: -TRAVEL_LIMIT_M, max: TRAVEL_LIMIT_M };
     let end = |m| Position::from_m(finite(name, m)?).ok_or(out_of_range);
-    let Some([min_m, max_m]) = travel_m else { return Ok(UNLIMITED) };
+    let Some([min_m, max_m]) = settings.travel_m else { return Ok(UNLIMITED) };
     let [min, max] = [end(min_m)?, end(max_m)?];
     if min >= max {
         return Err(ConfigError::NotPositive(name));
     }
-    Ok([min, max])
+    Ok(if settings.gantry.is_some() { UNLIMITED } else { [min, max] })
 }
 
 fn brake_ticks(brake: &Brake, rate_hz: f64) -> Result<BrakeTicks, ConfigError> {

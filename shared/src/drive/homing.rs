@@ -143,7 +143,7 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
         })
     }
 
-    /// Does what the homing of an axis wants.
+    /// Carries out an action of the homing of an axis.
     fn do_homing_action(&mut self, axis: usize, action: HomingAction) {
         let before = self.machine().command();
         match action {

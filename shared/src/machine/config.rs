@@ -51,13 +51,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         let sensors = settings.each_ref().map(|axis| axis.sensors);
         let gantries = GantryConfig::of_axes(settings, rates)
             .map_err(|(axis, error)| MachineError::Config { axis, error })?;
-        let mut axes: [AxisConfig<S>; N] = core::array::from_fn(|i| axes[i]);
-        // The soft limits of a beam are those of its first motor.
-        for (axis, gantry) in axes.iter_mut().zip(gantries) {
-            if gantry.is_some() {
-                axis.monitor.travel = UNLIMITED;
-            }
-        }
+        let axes: [AxisConfig<S>; N] = core::array::from_fn(|i| axes[i]);
         let soft_limits = axes.each_ref().map(|axis| axis.monitor.travel);
         let is_scheduled = schedules.iter().any(Option::is_some);
         Ok(Self {
@@ -75,10 +69,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     }
 
     /// Replaces the constants of an axis.
-    pub(super) fn replace(&mut self, axis: usize, mut config: AxisConfig<S>, reference: Reference) {
-        if self.gantries.get(axis).is_some_and(Option::is_some) {
-            config.monitor.travel = UNLIMITED;
-        }
+    pub(super) fn replace(&mut self, axis: usize, config: AxisConfig<S>, reference: Reference) {
         if let (Some(slot), Some(soft_limits)) = (self.axes.get_mut(axis), self.soft_limits.get_mut(axis)) {
             (*slot, *soft_limits) = (config, config.monitor.travel);
         }

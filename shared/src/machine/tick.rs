@@ -137,8 +137,8 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         axes.find(|(_, missing)| *missing).map(|(axis, _)| Fault::Axis { axis, kind: FaultKind::ScaleLost })
     }
 
-    /// The first gantry with more skew than its limit. Its motors are where commands would hold them: without the corrections of their own
-    /// screws and scales.
+    /// The fault of the first gantry with more skew than its limit. The positions are those of the commands at which the motors would hold: the
+    /// corrections of each screw and scale are taken out.
     #[cold]
     #[inline(never)]
     fn skewed(&self, state: &mut State<S, N>, readings: &[Reading; N]) -> Option<Fault> {

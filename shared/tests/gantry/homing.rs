@@ -2,9 +2,10 @@
 
 use super::SKEW;
 use super::beam::{Beam, FORCE_LIMIT_N, LIMIT_M, RATES, SQUARE_M, STIFFNESS_N_PER_M, settings};
+use crate::homing::test_board::homing;
 use shared::drive::{Amplifier, AxisInputs, Board, DriveSystem, Duty, EnableSwitch, Inputs, StatusLight};
 use shared::feedback::Reading;
-use shared::homing::{AtLimit, Direction, HomingError, HomingSettings, HomingStatus, Mark};
+use shared::homing::{HomingError, HomingSettings, HomingStatus};
 use shared::machine::{Machine, Reference};
 use shared::safety::Power;
 use shared::scalar::Fixed;
@@ -17,18 +18,8 @@ const LEAD_M: f64 = 5e-3;
 const INDEX_M: [f64; 2] = [0.0241, 0.0241 + SQUARE_M + OFFSET_M];
 const OFFSET_M: f64 = 1.1e-3;
 
-const HOMING: HomingSettings = HomingSettings {
-    direction: Direction::Negative,
-    mark: Mark::MotorIndex { spacing_m: LEAD_M },
-    mark_position_m: 0.001,
-    search_speed_m_per_s: 0.02,
-    approach_speed_m_per_s: 0.002,
-    acceleration_m_per_s2: 1.0,
-    search_distance_m: 0.12,
-    back_off_distance_m: 0.01,
-    at_limit: AtLimit::TurnRound,
-    timeout_s: 30.0,
-};
+/// Of each motor.
+const HOMING: HomingSettings = homing();
 
 type System = DriveSystem<'static, Fixed, 2>;
 

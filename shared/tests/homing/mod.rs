@@ -1,7 +1,7 @@
 //! Homing on a simulated machine: origin, bumpless shift, and what is held off until an axis is homed.
 
 mod origin;
-mod test_board;
+pub mod test_board;
 
 use shared::homing::{AtLimit, Direction, HomingError, HomingStatus, Mark};
 use shared::interpolate::{Block, PathError};

@@ -57,7 +57,7 @@ const fn default_settings() -> AxisSettings {
 }
 
 /// Towards the negative end, the switch is at 20 to 26 mm of the board, the index at 24.1 mm.
-pub fn homing() -> HomingSettings {
+pub const fn homing() -> HomingSettings {
     HomingSettings {
         direction: Direction::Negative,
         mark: Mark::MotorIndex { spacing_m: 0.005 },

@@ -14,7 +14,7 @@ use super::jog_by;
 use super::rig::{Rig, TICK_HZ, settings};
 
 /// 5 mm for 4000 counts.
-const FOLLOWING: FollowSettings = FollowSettings {
+pub const FOLLOWING: FollowSettings = FollowSettings {
     input: 0,
     distance_m: 5e-3,
     counts: 4000,

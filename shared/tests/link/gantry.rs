@@ -3,7 +3,6 @@
 use shared::config::{ConfigError, GantrySettings};
 use shared::drive::direction_check::DirectionCheckSettings;
 use shared::homing::HardStopSettings;
-use shared::interpolate::following::FollowSettings;
 use shared::interpolate::{Block, PathError};
 use shared::link::message::{BoardSettings, Jog, Reply, Request};
 use shared::link::refusal::DirectionProblem;
@@ -14,6 +13,7 @@ use shared::probing::ProbeSettings;
 use shared::safety::{Fault, FaultKind, Power};
 use shared::units::{PER_NM, Position};
 
+use super::following::FOLLOWING;
 use super::home::HOMING;
 use super::rig::{ENVELOPE, IDENTITY, Rig, settings};
 use super::{jog_by, start};
@@ -57,21 +57,13 @@ fn the_second_motor_takes_no_command_of_its_own() {
         acceleration_m_per_s2: 0.5,
         retracts: false,
     };
-    let follow = FollowSettings {
-        input: 0,
-        distance_m: 5e-3,
-        counts: 4000,
-        speed_m_per_s: 0.05,
-        acceleration_m_per_s2: 2.0,
-        lag_m: 3e-3,
-    };
     for request in [
         jog(1, Some(0.001)),
         jog(1, None),
         Request::Home { axis: 1 },
         Request::HomeToStop { axis: 1, settings: stop },
         Request::Probe { axis: 1, settings: probe },
-        Request::Follow { axis: 1, settings: follow },
+        Request::Follow { axis: 1, settings: FOLLOWING },
     ] {
         assert_eq!(rig.refusal(&request), Refusal::SecondMotor { axis: 1, first: 0 }, "{request:?}");
     }

@@ -15,3 +15,4 @@ mod registers;
 mod servo_board;
 mod setup_values;
 mod stack_depth;
+mod stored_records;

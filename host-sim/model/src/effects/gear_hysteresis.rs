@@ -16,8 +16,8 @@ const ELEMENTS: usize = 8;
 const SLIPS_AT: [f64; ELEMENTS] = [0.404, 0.79, 1.132, 1.486, 1.887, 2.381, 3.08, 4.472];
 
 /// Adds force·z to what the elastic drive train carries. z, from −1 to 1, is the mean of eight elements in parallel that stick in proportion to the stretch, and slip
-/// at ±1 (Maxwell slip; Iwan, 1966): the friction within a strain wave gear or a belt, with which the torsion over the torque is a loop. Other than in the curve of
-/// Dahl, which the elements approach, the noise of a stretch does not wear the state off.
+/// at ±1 (Maxwell slip; Iwan, 1966): the friction within a strain wave gear or a belt, with which the torsion over the torque is a loop. Unlike in Dahl's model,
+/// which the elements approach, noise of the stretch does not make the state decay.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GearHysteresis {

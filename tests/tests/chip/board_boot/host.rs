@@ -8,6 +8,19 @@ use shared::link::packet::{self, Header};
 use shared::link::{Frame, FromBoard, Receiver, Reply, Request, Welcome};
 use tests::board::Chip;
 
+/// The packet of the next request of a session. A hello opens one.
+pub fn next_packet(session: u32, sequence: &mut u32, request: &Request) -> Frame {
+    let header = if let Request::Hello { .. } = request {
+        Header { session: 0, sequence: 0 }
+    } else {
+        *sequence += 1;
+        Header { session, sequence: *sequence }
+    };
+    let mut frame = Frame::new();
+    packet::encode(header, request, &mut frame).unwrap();
+    frame
+}
+
 /// The host's side of a session.
 pub struct Host {
     stream: UnixStream,
@@ -26,14 +39,7 @@ impl Host {
 
     /// Sends a request; a hello opens a session. The board takes it while it runs.
     pub fn send(&mut self, request: &Request) {
-        let header = if let Request::Hello { .. } = request {
-            Header { session: 0, sequence: 0 }
-        } else {
-            self.sequence += 1;
-            Header { session: self.session, sequence: self.sequence }
-        };
-        let mut frame = Frame::new();
-        packet::encode(header, request, &mut frame).unwrap();
+        let frame = next_packet(self.session, &mut self.sequence, request);
         self.stream.write_all(&frame).unwrap();
     }
 

@@ -6,7 +6,7 @@
 //! at the serial port speaks the protocol of the link.
 
 mod checks;
-mod host;
+pub mod host;
 mod stored;
 mod ticks;
 mod wiring;

@@ -5,8 +5,9 @@ mod interface;
 
 use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind, ReadNorFlash};
 use firmware::flash::{BOARD, SLOTS, SettingsFlash};
-use shared::storage::{Reader, StorageError, Store};
+use shared::storage::Store;
 
+use super::stored_records::{messages, save, stored};
 use interface::{ACR_AT_START, Interface, Watched};
 
 /// Without a loss of power.
@@ -19,30 +20,6 @@ type Settings<'a> = Store<SettingsFlash<Watched<'a>>>;
 
 fn store(interface: &mut Interface) -> Settings<'_> {
     Store::new(SettingsFlash::new(Watched(interface)), SLOTS, BOARD).unwrap()
-}
-
-/// The messages of a record: two, which together are longer than a write of 32 bytes and no multiple of it.
-fn messages(number: u8) -> [Vec<u8>; 2] {
-    let bytes = |length: u8| (0..length).map(|at| at.wrapping_mul(37) ^ number.wrapping_mul(91)).collect();
-    [bytes(45), bytes(20)]
-}
-
-fn save(store: &mut Settings, number: u8) -> Result<u32, StorageError> {
-    let mut writer = store.writer()?;
-    messages(number).iter().try_for_each(|message| writer.bytes(store, message))?;
-    writer.commit(store)
-}
-
-/// The messages of the newest record, if one is valid.
-fn stored(store: &mut Settings) -> Option<[Vec<u8>; 2]> {
-    let mut reader: Reader = store.newest().ok()?;
-    let mut next = || {
-        let mut buffer = [0; 64];
-        reader.bytes(store, &mut buffer).unwrap().to_vec()
-    };
-    let read = [next(), next()];
-    assert!(reader.is_at_end());
-    Some(read)
 }
 
 /// The content of the flash after a number of saves.

@@ -7,13 +7,14 @@ use firmware::g474::{IDENTITY, Memory, Parts, Settings, StartError, settings_mem
 use firmware::setup::{AXES, CAN_FROM_BOARD, CAN_TO_BOARD, LINK_SETTINGS, SWITCH_SETTLING_TICKS};
 use firmware::two_drives::Drive;
 use shared::link::can_frames::{CanFrame, LengthCode};
-use shared::link::packet::{self, Header};
-use shared::link::{Frame, FromBoard, Receiver, Reply, Request, Server, SharedDrive, Welcome};
+use shared::link::packet;
+use shared::link::{FromBoard, Receiver, Reply, Request, Server, SharedDrive, Welcome};
 use shared::machine::Machine;
 use shared::scalar::Fixed;
 
 use super::flash_model::{FlashModel, Remains};
 use super::model::{GPIOA, GPIOB, GPIOC, Model, TIM1, set_can_flags};
+use crate::board_boot::host::next_packet;
 
 /// Input data of a port.
 const IDR: u32 = 0x10;
@@ -190,14 +191,7 @@ impl Board {
     /// Sends a request and runs until its reply.
     pub fn ask(&mut self, request: &Request) -> Reply {
         let host = &mut self.host;
-        let header = if let Request::Hello { .. } = request {
-            Header { session: 0, sequence: 0 }
-        } else {
-            host.sequence += 1;
-            Header { session: host.session, sequence: host.sequence }
-        };
-        let mut frame = Frame::new();
-        packet::encode(header, request, &mut frame).unwrap();
+        let frame = next_packet(host.session, &mut host.sequence, request);
         if host.port == Port::Serial {
             for byte in frame {
                 // A byte each time the interrupt runs, as on the line.

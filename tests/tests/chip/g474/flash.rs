@@ -4,11 +4,12 @@ use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind, ReadNorFlash};
 use firmware::g474::flash::{BOARD, SLOTS, SettingsFlash};
 use shared::link::report::{SettingsSource, StoredRecord};
 use shared::link::{Reply, Request};
-use shared::storage::{StorageError, Store};
+use shared::storage::Store;
 
 use super::board::{Board, Port, model};
 use super::flash_model::{Defect, FlashModel, LOCKED, Remains};
 use super::model::{Model, RCC};
+use crate::stored_records::{messages, save, stored};
 
 /// Without a loss of power.
 const NEVER: usize = usize::MAX;
@@ -36,30 +37,6 @@ type Settings = Store<SettingsFlash<&'static Model>>;
 
 fn store(model: &'static Model) -> Settings {
     Store::new(flash(model), SLOTS, BOARD).unwrap()
-}
-
-/// The messages of a record: two, which together are longer than a write of 32 bytes and no multiple of it.
-fn messages(number: u8) -> [Vec<u8>; 2] {
-    let bytes = |length: u8| (0..length).map(|at| at.wrapping_mul(37) ^ number.wrapping_mul(91)).collect();
-    [bytes(45), bytes(20)]
-}
-
-fn save(store: &mut Settings, number: u8) -> Result<u32, StorageError> {
-    let mut writer = store.writer()?;
-    messages(number).iter().try_for_each(|message| writer.bytes(store, message))?;
-    writer.commit(store)
-}
-
-/// The messages of the newest record, if one is valid.
-fn stored(store: &mut Settings) -> Option<[Vec<u8>; 2]> {
-    let mut reader = store.newest().ok()?;
-    let mut next = || {
-        let mut buffer = [0; 64];
-        reader.bytes(store, &mut buffer).unwrap().to_vec()
-    };
-    let read = [next(), next()];
-    assert!(reader.is_at_end());
-    Some(read)
 }
 
 fn after_saves(saves: u8) -> Remains {

@@ -1,7 +1,6 @@
 //! The gear of a joint: its hysteresis and its kinematic error.
 
-use self_test::joint::SLIPS_AT;
-use self_test::plant::{SLIPPING, Slipping};
+use self_test::joint::slipping;
 
 use super::machine::{TestMachine, wave_um};
 use super::reported::{assert_named, certain, context, found};
@@ -23,10 +22,7 @@ fn a_strain_wave_gear_has_hysteresis_and_an_error_twice_per_turn() {
     let machine = machine.with_declared(0, "stiffness_n_per_um", |stiffness| SOFTER * stiffness);
     let machine = machine.with_mechanics(0, |mechanics| {
         mechanics.stiffness_n_per_m *= SOFTER;
-        mechanics.slipping = SLIPS_AT.map(|slips_at| {
-            let limit_n = TORQUE_NM / SLIPPING as f64;
-            Slipping { stiffness_n_per_m: limit_n / (1e-6 * slips_at * TRAVEL_MDEG), limit_n }
-        });
+        mechanics.slipping = slipping(TORQUE_NM, 1e-6 * TRAVEL_MDEG);
         mechanics.screw_waves = vec![wave_um(3.0, 0.5 * turn_mm, 0.7)];
     });
     let trace = machine.trace_as_joints();

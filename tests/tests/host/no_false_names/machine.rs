@@ -101,9 +101,7 @@ impl TestMachine {
         fit.iter_mut().chain(&mut validate).for_each(change);
         trace(&self.file(), &fit, &validate, &|_| {}).unwrap()
     }
-}
 
-impl TestMachine {
     /// The trace of its logs as those of joints: a metre is 1000°, a newton a newton metre.
     pub fn trace_as_joints(&self) -> Identification {
         let mut file = self.file();
