@@ -1,4 +1,4 @@
-//! Quadrature counters on TIM3, TIM4, TIM5 and TIM8, with the counter latched at an index pulse on channel 3.
+//! Quadrature counters on TIM3, TIM4, TIM5 and TIM8, latched by the timer of the ticks on channel 4 and at an index pulse on channel 3.
 
 use stm32f4xx_hal::pac::{TIM3, TIM4, TIM5, TIM8};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
@@ -26,16 +26,20 @@ trait EncoderTimer: Enable + Reset {
 
 /// The register blocks differ in type and have the same registers.
 macro_rules! encoder_timer {
-    ($($timer:ident: $count:ident,)*) => {$(
+    ($($timer:ident: $count:ident, latched by $tick:ident,)*) => {$(
         impl EncoderTimer for $timer {
             fn set_up(&self) {
                 self.ccmr1_input().write(|w| {
                     w.cc1s().ti1().ic1f().fdts_div2_n8();
                     w.cc2s().ti2().ic2f().fdts_div2_n8()
                 });
-                self.ccmr2_input().write(|w| w.cc3s().ti3().ic3f().fdts_div2_n8());
-                self.ccer().write(|w| w.cc1e().set_bit().cc2e().set_bit().cc3e().set_bit());
-                self.smcr().write(|w| w.sms().encoder_mode_3());
+                self.ccmr2_input().write(|w| {
+                    w.cc3s().ti3().ic3f().fdts_div2_n8();
+                    w.cc4s().trc()
+                });
+                self.ccer()
+                    .write(|w| w.cc1e().set_bit().cc2e().set_bit().cc3e().set_bit().cc4e().set_bit());
+                self.smcr().write(|w| w.ts().$tick().sms().encoder_mode_3());
                 self.arr().write(|w| w.arr().set($count::MAX));
                 self.cr1().write(|w| w.cen().set_bit());
             }
@@ -48,6 +52,10 @@ macro_rules! encoder_timer {
                 self.cnt().read().cnt().bits()
             }
 
+            fn latched(&self) -> $count {
+                self.ccr4().read().ccr().bits()
+            }
+
             fn take_index(&self) -> Option<$count> {
                 // Reading the captured value clears the flag.
                 let captured = self.sr().read().cc3if().bit_is_set();
@@ -57,11 +65,12 @@ macro_rules! encoder_timer {
     )*};
 }
 
+// The input of each timer to which TIM2, the timer of the ticks, is connected (RM0090, tables of TIMx_SMCR in chapters 17 and 18).
 encoder_timer! {
-    TIM3: u16,
-    TIM4: u16,
-    TIM5: u32,
-    TIM8: u16,
+    TIM3: u16, latched by itr1,
+    TIM4: u16, latched by itr1,
+    TIM5: u32, latched by itr0,
+    TIM8: u16, latched by itr1,
 }
 
 fn started<Timer: EncoderTimer>(timer: Timer, rcc: &mut Rcc) -> Timer {

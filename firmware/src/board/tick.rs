@@ -1,4 +1,4 @@
-//! The tick: an interrupt of TIM2 at the start of each PWM period.
+//! The tick: an interrupt of TIM2 at the start of each PWM period, at which the encoders are latched.
 
 use cortex_m::peripheral::DWT;
 use stm32f4xx_hal::pac::TIM2;
@@ -32,6 +32,8 @@ impl TickTimer {
         timer.ccr1().write(|w| w.ccr().set(period - CONVERSION_COUNTS));
         timer.ccer().write(|w| w.cc1e().set_bit());
         timer.smcr().write(|w| w.ts().itr0().sms().reset_mode());
+        // Each tick latches the counters of the encoders.
+        timer.cr2().write(|w| w.mms().update());
         timer.egr().write(|w| w.ug().set_bit());
         timer.sr().write(|w| w.uif().clear_bit());
         timer.dier().write(|w| w.uie().set_bit());

@@ -1,5 +1,5 @@
-//! Quadrature counters on TIM3, TIM4, TIM5 and TIM8, with the counter latched at an index pulse on channel 3, of TIM4 on channel 4: its
-//! channel 3 is on PB8, which starts the boot loader of the chip if it is high in reset.
+//! Quadrature counters on TIM3, TIM4, TIM5 and TIM8, latched at an index pulse on channel 3 and by the timer of the ticks on channel 4; those of TIM4
+//! the other way round: its channel 3 is on PB8, which starts the boot loader of the chip if it is high in reset.
 
 use super::address::tim;
 use super::bus::Bus;
@@ -10,10 +10,17 @@ use crate::two_drives::counters::{Counters, IndexedCounter, Timers};
 /// of the PWM and allows 2.6 million counts per second.
 const INPUT: u32 = 0x71;
 
-/// Counts the edges of both inputs (chapter 28).
-const ENCODER_MODE: u32 = 0b011;
+/// Captures at the trigger (chapter 28: `CCxS` 11).
+const AT_TRIGGER: u32 = 0b11;
 
-/// The channel of the index.
+/// Counts the edges of both inputs (chapter 28: SMS 011), with the update of TIM2 as the trigger (TS 001, its TRGO at all of these timers).
+const ENCODER_MODE: u32 = 1 << 4 | 0b011;
+
+/// Captured counts of channels 3 and 4.
+const CCR3: u32 = tim::CCR1 + 8;
+const CCR4: u32 = tim::CCR1 + 12;
+
+/// The channel of the index; the other of the two has the tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Index {
     Third,
@@ -33,12 +40,12 @@ impl<B: Bus> Encoder<B> {
         device.restart(bus);
         let write = |register, value| bus.write(timer + register, value);
         write(tim::CCMR1, INPUT | INPUT << 8);
-        let (place, enable) = match index {
-            Index::Third => (0, 1 << 8),
-            Index::Fourth => (8, 1 << 12),
+        let (of_index, of_tick) = match index {
+            Index::Third => (0, 8),
+            Index::Fourth => (8, 0),
         };
-        write(tim::CCMR2, INPUT << place);
-        write(tim::CCER, 1 | 1 << 4 | enable);
+        write(tim::CCMR2, INPUT << of_index | AT_TRIGGER << of_tick);
+        write(tim::CCER, 1 | 1 << 4 | 1 << 8 | 1 << 12);
         write(tim::SMCR, ENCODER_MODE);
         // The period stays that of the reset, the whole range of the counter.
         write(tim::CR1, 1);
@@ -49,10 +56,18 @@ impl<B: Bus> Encoder<B> {
         self.bus.read(self.timer + tim::CNT)
     }
 
+    fn latched(&self) -> u32 {
+        let captured = match self.index {
+            Index::Third => CCR4,
+            Index::Fourth => CCR3,
+        };
+        self.bus.read(self.timer + captured)
+    }
+
     fn take_index(&self) -> Option<u32> {
         let (flag, captured) = match self.index {
-            Index::Third => (1 << 3, tim::CCR1 + 8),
-            Index::Fourth => (1 << 4, tim::CCR1 + 12),
+            Index::Third => (1 << 3, CCR3),
+            Index::Fourth => (1 << 4, CCR4),
         };
         // Reading the captured value clears the flag.
         (self.bus.read(self.timer + tim::SR) & flag != 0).then(|| self.bus.read(self.timer + captured))
@@ -79,6 +94,10 @@ impl<B: Bus> IndexedCounter for Short<B> {
         half(self.0.count())
     }
 
+    fn latched(&self) -> u16 {
+        half(self.0.latched())
+    }
+
     fn take_index(&self) -> Option<u16> {
         self.0.take_index().map(half)
     }
@@ -89,6 +108,10 @@ impl<B: Bus> IndexedCounter for Long<B> {
 
     fn count(&self) -> u32 {
         self.0.count()
+    }
+
+    fn latched(&self) -> u32 {
+        self.0.latched()
     }
 
     fn take_index(&self) -> Option<u32> {

@@ -1,4 +1,4 @@
-//! The tick: an interrupt of TIM2 at the start of each PWM period.
+//! The tick: an interrupt of TIM2 at the start of each PWM period, at which the encoders are latched.
 
 use super::address::{CYCLE_COUNTER, tim};
 use super::bus::Bus;
@@ -20,6 +20,9 @@ const UPDATE: u32 = 1;
 
 /// Reset (chapter 29: SMS 100) by TIM1 (TS 000).
 const RESET_MODE: u32 = 0b100;
+
+/// Trigger output (chapter 29: MMS 010).
+const UPDATE_AS_TRIGGER: u32 = 0b010 << 4;
 
 /// Channel 1: PWM mode 2 (chapter 29), which rises at the compare value.
 const PWM_MODE_2: u32 = 0b111 << 4;
@@ -46,6 +49,8 @@ impl<B: Bus> TickTimer<B> {
         bus.write(timer(tim::CCR1), PERIOD - CONVERSION_COUNTS);
         bus.write(timer(tim::CCER), 1);
         bus.write(timer(tim::SMCR), RESET_MODE);
+        // Each tick latches the counters of the encoders.
+        bus.write(timer(tim::CR2), UPDATE_AS_TRIGGER);
         bus.write(timer(tim::EGR), UPDATE);
         bus.write(timer(tim::SR), 0);
         bus.write(timer(tim::DIER), UPDATE);

@@ -1,4 +1,5 @@
-//! Quadrature counters with the counter latched at an index pulse, and their conversion to positions. Their registers are those of the chip.
+//! Quadrature counters, latched in hardware at the start of a tick and at an index pulse, and their conversion to positions. Their registers are those of
+//! the chip.
 
 use shared::feedback::counter::Counter;
 use shared::feedback::encoder::Encoder;
@@ -12,8 +13,11 @@ pub trait IndexedCounter {
     /// Value of the counter.
     type Count: Copy;
 
-    /// The counter.
+    /// The counter now.
     fn count(&self) -> Self::Count;
+
+    /// The counter at the start of the present tick, however late the program is: at 1 m/s, 5 µs are 5 µm.
+    fn latched(&self) -> Self::Count;
 
     /// The counter at the last index pulse since the previous call.
     fn take_index(&self) -> Option<Self::Count>;
@@ -59,9 +63,9 @@ impl<Timer: IndexedCounter<Count = u16>> Quadrature<Timer> {
         Ok(Self { encoder: encoder.ok_or(SetupError::Encoder)?, timer })
     }
 
-    /// The position.
+    /// The position at the start of the tick.
     pub fn position(&mut self) -> Position {
-        self.encoder.read(self.timer.count())
+        self.encoder.read(self.timer.latched())
     }
 
     /// The position at an index pulse since the previous call. To be called after [`Quadrature::position`] of the same tick.
@@ -74,9 +78,9 @@ impl<Timer: IndexedCounter<Count = u16>> Quadrature<Timer> {
 pub struct FreeCounter<Timer>(pub Timer);
 
 impl<Timer: IndexedCounter<Count = u32>> FreeCounter<Timer> {
-    /// The counter.
+    /// The counter at the start of the tick.
     pub fn count(&self) -> u32 {
-        self.0.count()
+        self.0.latched()
     }
 }
 
@@ -92,9 +96,9 @@ impl<Timer: IndexedCounter<Count = u16>> LongFreeCounter<Timer> {
         Self { count: LongCount::at(timer.count()), timer }
     }
 
-    /// The counter. To be called in every tick.
+    /// The counter at the start of the tick. To be called in every tick.
     pub fn count(&mut self) -> u32 {
-        self.count.read(self.timer.count())
+        self.count.read(self.timer.latched())
     }
 }
 
@@ -114,9 +118,9 @@ impl<Timer: IndexedCounter<Count = u32>> LongQuadrature<Timer> {
         Ok(Self { counter: counter.ok_or(SetupError::Encoder)?, timer })
     }
 
-    /// The position.
+    /// The position at the start of the tick.
     pub fn position(&self) -> Position {
-        self.counter.position(self.timer.count())
+        self.counter.position(self.timer.latched())
     }
 
     /// The position at an index pulse since the previous call.

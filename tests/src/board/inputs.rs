@@ -25,12 +25,13 @@ const SCALE_SIGNALS: u32 = 1 << 3 | 1 << 10;
 const ADC1_JDR3: u32 = 0x4001_2044;
 const ADC2_JDR3: u32 = 0x4001_2144;
 
-/// Counters of TIM3 and TIM4, the encoders of X and Y.
-const TIM3_CNT: u32 = 0x4000_0424;
-const TIM4_CNT: u32 = 0x4000_0824;
-/// Counters of TIM5 and TIM8, the scales of X and Y.
-const TIM5_CNT: u32 = 0x4000_0c24;
-const TIM8_CNT: u32 = 0x4001_0424;
+/// Counters of TIM3 and TIM4, the encoders of X and Y, and of TIM5 and TIM8, the scales of X and Y.
+const COUNTERS: [u32; 4] = [0x4000_0424, 0x4000_0824, 0x4000_0c24, 0x4001_0424];
+/// Their captures of channel 4, at the start of a tick.
+const TIM3_CCR4: u32 = 0x4000_0440;
+const TIM4_CCR4: u32 = 0x4000_0840;
+const TIM5_CCR4: u32 = 0x4000_0c40;
+const TIM8_CCR4: u32 = 0x4001_0440;
 
 /// Counts by which the tables of X and Y are displaced when X is.
 pub const SCALE_COUNTS: [u32; 2] = [40, 90];
@@ -135,10 +136,14 @@ impl Device for Inputs {
             GPIOA_IDR,
             GPIOB_IDR,
             GPIOC_IDR,
-            TIM3_CNT,
-            TIM4_CNT,
-            TIM5_CNT,
-            TIM8_CNT,
+            COUNTERS[0],
+            COUNTERS[1],
+            COUNTERS[2],
+            COUNTERS[3],
+            TIM3_CCR4,
+            TIM4_CCR4,
+            TIM5_CCR4,
+            TIM8_CCR4,
             CYCLE_COUNT,
             ADC1_JDR3,
             ADC2_JDR3,
@@ -162,16 +167,20 @@ impl Device for Inputs {
                 self.cycles = self.cycles.wrapping_add(ticks * CYCLES_PER_TICK);
                 self.cycles
             }
-            TIM3_CNT => self.ticks.saturating_sub(PUSHED).min(COUNTS),
-            TIM4_CNT => {
-                // The start-up reads it once, before the first tick.
-                self.ticked |= self.ticks > 0;
+            // A tick is delayed by the server: it reads what was latched at its start. The start-up reads the counters.
+            address if COUNTERS.contains(&address) => {
+                assert_eq!(self.ticks, 0, "a tick reads the counter {address:#x}");
+                0
+            }
+            TIM3_CCR4 => self.ticks.saturating_sub(PUSHED).min(COUNTS),
+            TIM4_CCR4 => {
+                self.ticked = true;
                 0
             }
             GPIOA_IDR => SCALE_SIGNALS & !self.no_signal | self.probe,
             GPIOC_IDR => self.home,
-            TIM5_CNT => self.scale_counts(0),
-            TIM8_CNT => self.scale_counts(1),
+            TIM5_CCR4 => self.scale_counts(0),
+            TIM8_CCR4 => self.scale_counts(1),
             address if INDEX_STATUS.contains(&address) => {
                 self.index_reads.push(address);
                 0
@@ -186,7 +195,7 @@ impl Device for Inputs {
     fn write(&mut self, address: u32, value: u32) {
         match address {
             // The start-up of an encoder may clear its counter.
-            TIM3_CNT | TIM4_CNT | TIM5_CNT | TIM8_CNT => assert_eq!(value, 0, "to the counter {address:#x}"),
+            address if COUNTERS.contains(&address) => assert_eq!(value, 0, "to the counter {address:#x}"),
             _ => panic!("{value:#x} to the input {address:#x}"),
         }
     }

@@ -90,9 +90,9 @@ const PULLED_DOWN: [(&str, u32); 11] = [
 /// Last values written to devices that QEMU does not model: TIM8 as the scale of Y (17.4), and the DAC (14.5).
 const LAST: [(&str, &str, u32, u32); 8] = [
     ("timer[8]", "CCMR1", 0x18, 0x5151),
-    ("timer[8]", "CCMR2: TI3, filtered", 0x1c, 0x51),
-    ("timer[8]", "CCER", 0x20, 0x0111),
-    ("timer[8]", "SMCR", 0x08, 0b011),
+    ("timer[8]", "CCMR2: TI3, filtered, and the trigger", 0x1c, 0x0351),
+    ("timer[8]", "CCER", 0x20, 0x1111),
+    ("timer[8]", "SMCR: the trigger is TIM2, ITR1 (17.4.3)", 0x08, 1 << 4 | 0b011),
     ("timer[8]", "CR1", 0x00, 1),
     ("DAC", "CR: both channels on, without a trigger", 0x00, 1 << 16 | 1),
     ("DAC", "DHR12R1: 0 V", 0x08, 2048),
@@ -100,33 +100,35 @@ const LAST: [(&str, &str, u32, u32); 8] = [
 ];
 
 /// Registers of the modelled devices after the start-up: the timers TIM2 to TIM5, the converters and the serial port.
-const TIMERS: [(&str, u32, u32); 30] = [
+const TIMERS: [(&str, u32, u32); 31] = [
     // 18.4.3: reset (SMS 100) by TIM1 (TS 000).
     ("TIM2 SMCR", 0x4000_0008, 0b100),
     ("TIM2 DIER", 0x4000_000c, 1),
+    // 18.4.2: the update is the trigger output (MMS 010), at which the counters are latched.
+    ("TIM2 CR2", 0x4000_0004, 0b010 << 4),
     // 18.4.7: PWM mode 2; rises 600 counts, 7.1 µs, before the tick and triggers the converters.
     ("TIM2 CCMR1", 0x4000_0018, 0x70),
     ("TIM2 CCER", 0x4000_0020, 1),
     ("TIM2 CCR1", 0x4000_0034, 3600),
     ("TIM2 CR1", 0x4000_0000, 1),
-    // 18.4.7: all inputs on their own pins (01), filter of 8 samples at half the timer clock (0101).
+    // 18.4.7: inputs 1 to 3 on their own pins (01), filter of 8 samples at half the timer clock (0101); channel 4 at the trigger (11).
     ("TIM3 CCMR1", 0x4000_0418, 0x5151),
-    ("TIM3 CCMR2", 0x4000_041c, 0x51),
-    // Inputs 1 and 2, and the capture of the index, at rising edges.
-    ("TIM3 CCER", 0x4000_0420, 0x0111),
-    // 18.4.3: counts the edges of both inputs (SMS 011).
-    ("TIM3 SMCR", 0x4000_0408, 0b011),
+    ("TIM3 CCMR2", 0x4000_041c, 0x0351),
+    // Inputs 1 and 2, and the captures of index and tick, at rising edges.
+    ("TIM3 CCER", 0x4000_0420, 0x1111),
+    // 18.4.3: counts the edges of both inputs (SMS 011); the trigger is TIM2, ITR1 (001), of TIM5 ITR0.
+    ("TIM3 SMCR", 0x4000_0408, 1 << 4 | 0b011),
     ("TIM3 ARR", 0x4000_042c, 0xffff),
     ("TIM3 CR1", 0x4000_0400, 1),
     ("TIM4 CCMR1", 0x4000_0818, 0x5151),
-    ("TIM4 CCMR2", 0x4000_081c, 0x51),
-    ("TIM4 CCER", 0x4000_0820, 0x0111),
-    ("TIM4 SMCR", 0x4000_0808, 0b011),
+    ("TIM4 CCMR2", 0x4000_081c, 0x0351),
+    ("TIM4 CCER", 0x4000_0820, 0x1111),
+    ("TIM4 SMCR", 0x4000_0808, 1 << 4 | 0b011),
     ("TIM4 ARR", 0x4000_082c, 0xffff),
     ("TIM4 CR1", 0x4000_0800, 1),
     ("TIM5 CCMR1", 0x4000_0c18, 0x5151),
-    ("TIM5 CCMR2", 0x4000_0c1c, 0x51),
-    ("TIM5 CCER", 0x4000_0c20, 0x0111),
+    ("TIM5 CCMR2", 0x4000_0c1c, 0x0351),
+    ("TIM5 CCER", 0x4000_0c20, 0x1111),
     ("TIM5 SMCR", 0x4000_0c08, 0b011),
     ("TIM5 ARR", 0x4000_0c2c, 0xffff_ffff),
     ("TIM5 CR1", 0x4000_0c00, 1),

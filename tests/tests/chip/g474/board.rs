@@ -134,6 +134,7 @@ impl Board {
     /// A tick, each interrupt, and a round of the idle loop.
     pub fn tick(&mut self) {
         let Parts { hardware, drive, watchdog, .. } = &mut self.parts;
+        self.model.begin_tick();
         hardware.begin_tick();
         watchdog.feed();
         drive.tick(hardware);

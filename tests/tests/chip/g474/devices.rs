@@ -1,6 +1,7 @@
-//! What becomes ready after what, and what is protected: clocks, converters, watchdog and CAN of the model (RM0440).
+//! What becomes ready after what, what is protected, and what the hardware does by itself: clocks, counters, converters, watchdog and CAN of the
+//! model (RM0440).
 
-use super::model::{ADCS, CAN, FLASH_REGISTERS, IWDG, PWR, RCC, State};
+use super::model::{ADCS, CAN, COUNTERS, FLASH_REGISTERS, IWDG, PWR, RCC, State, TIM2};
 
 impl State {
     /// Chapters 7, 6 and 3.
@@ -37,6 +38,25 @@ impl State {
                 }
             }
             _ => {}
+        }
+    }
+
+    /// The update of TIM2. Chapter 29: if it is the trigger output (MMS 010), it is ITR1 of the counters, which capture their count in the channels that
+    /// are on and are inputs of the trigger (`CCxS` 11), with ITR1 selected (TS 001).
+    pub(super) fn latch_counters(&mut self) {
+        if self.word(TIM2 + 0x04) >> 4 & 0b111 != 0b010 {
+            return;
+        }
+        for timer in COUNTERS {
+            let triggered = self.word(timer + 0x08) >> 4 & 0b111 == 1;
+            for (channel, source) in [(2, 0), (3, 8)] {
+                let is_input = self.word(timer + 0x1c) >> source & 0b11 == 0b11;
+                let is_on = self.word(timer + 0x20) >> (4 * channel) & 1 == 1;
+                if triggered && is_input && is_on {
+                    let count = self.word(timer + 0x24);
+                    self.words.insert(timer + 0x34 + 4 * channel, count);
+                }
+            }
         }
     }
 

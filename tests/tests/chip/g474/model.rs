@@ -19,6 +19,8 @@ pub const GPIOC: u32 = 0x4800_0800;
 pub const GPIOD: u32 = 0x4800_0c00;
 pub const TIM1: u32 = 0x4001_2c00;
 pub const TIM2: u32 = 0x4000_0000;
+/// TIM3, TIM4, TIM5 and TIM8: motor encoders of X and Y, scales of X and Y.
+pub const COUNTERS: [u32; 4] = [0x4000_0400, 0x4000_0800, 0x4000_0c00, 0x4001_3400];
 const USART3: u32 = 0x4000_4800;
 pub const IWDG: u32 = 0x4000_3000;
 pub const ADCS: [u32; 2] = [0x5000_0000, 0x5000_0100];
@@ -125,6 +127,11 @@ impl Model {
     /// Sets what the program reads.
     pub fn set(&self, address: u32, value: u32) {
         self.with(|state| state.words.insert(address, value));
+    }
+
+    /// A tick begins: the update of its timer.
+    pub fn begin_tick(&self) {
+        self.with(State::latch_counters);
     }
 
     /// All writes so far.

@@ -134,6 +134,7 @@ fn power_stages_and_ticks() {
         expected!(TIM1.egr, |w| w.ug().set_bit()),
         expected!(TIM1.cr1, |w| w.cen().set_bit().arpe().set_bit()),
         expected!(TIM2.smcr, |w| w.sms().bits(4).ts().bits(0)),
+        expected!(TIM2.cr2, |w| w.mms().bits(2)),
         expected!(TIM2.ccmr1_output, |w| w.oc1m().pwm_mode2()),
         expected!(TIM2.ccer, |w| w.cc1e().set_bit()),
         expected!(TIM2.arr, |w| w.bits(8500 + 128 - 1)),
@@ -157,9 +158,13 @@ macro_rules! counter {
                 w.cc1s().ti1().ic1f().fdts_div4_n8();
                 w.cc2s().ti2().ic2f().bits(0b0111)
             }),
-            expected!($device.ccmr2_input, |w| w.cc3s().ti3().ic3f().bits(0b0111)),
-            expected!($device.ccer, |w| w.cc1e().set_bit().cc2e().set_bit().cc3e().set_bit()),
-            expected!($device.smcr, |w| w.sms().bits(3)),
+            // The index on channel 3, and the trigger on channel 4.
+            expected!($device.ccmr2_input, |w| w.cc3s().ti3().ic3f().bits(0b0111).cc4s().trc()),
+            expected!($device.ccer, |w| {
+                w.cc1e().set_bit().cc2e().set_bit().cc3e().set_bit().cc4e().set_bit()
+            }),
+            // TIM2 is ITR1 (001).
+            expected!($device.smcr, |w| w.sms().bits(3).ts().bits(1)),
             expected!($device.cr1, |w| w.cen().set_bit()),
         ]
     };
@@ -171,14 +176,10 @@ fn counters() {
     check(model, &counter!(TIM3));
     check(model, &counter!(TIM5));
     check(model, &counter!(TIM8));
-    // The index of Y is on channel 4.
-    let [inputs, _, _, mode, on] = counter!(TIM4);
-    let fourth = [
-        expected!(TIM4.ccmr2_input, |w| w.cc4s().ti4().ic4f().bits(0b0111)),
-        expected!(TIM4.ccer, |w| w.cc1e().set_bit().cc2e().set_bit().cc4e().set_bit()),
-    ];
-    check(model, &[inputs, mode, on]);
-    check(model, &fourth);
+    // The index of Y is on channel 4, and the trigger on channel 3.
+    let [inputs, _, channels, mode, on] = counter!(TIM4);
+    check(model, &[inputs, channels, mode, on]);
+    check(model, &[expected!(TIM4.ccmr2_input, |w| w.cc4s().ti4().ic4f().bits(0b0111).cc3s().trc())]);
 }
 
 #[test]

@@ -1,21 +1,17 @@
 //! Each input reaches its axis and end, and each output is that of its axis: on the model, with the drives on.
 
-use firmware::setup::CAN_TO_BOARD;
+use firmware::setup::{CAN_TO_BOARD, MotorSensor, TABLE};
 use shared::link::can_frames::CanFrame;
 use shared::link::{Reply, Request};
 use shared::safety::{Fault, FaultKind, Power};
+use shared::units::Position;
 
 use super::board::{Board, CONTACTS, Port, SWITCH};
-use super::model::{GPIOA, GPIOC, GPIOD, TIM1, set_can_flags};
+use super::model::{COUNTERS, GPIOA, GPIOC, GPIOD, TIM1, set_can_flags};
 use shared::drive::Board as _;
 
-/// Status registers of the motor encoders of X and Y and of the scales, the flag of the index, and the offset of the captured count.
-const INDEXES: [(u32, u32, u32); 4] = [
-    (0x4000_0400, 1 << 3, 0x3c),
-    (0x4000_0800, 1 << 4, 0x40),
-    (0x4000_0c00, 1 << 3, 0x3c),
-    (0x4001_3400, 1 << 3, 0x3c),
-];
+/// Of the motor encoders of X and Y and of the scales, the flag of the index, and the offset of the captured count.
+const INDEXES: [(u32, u32); 4] = [(1 << 3, 0x3c), (1 << 4, 0x40), (1 << 3, 0x3c), (1 << 3, 0x3c)];
 
 fn status(board: &mut Board) -> Power {
     let Reply::Status(status) = board.ask(&Request::Status) else { panic!("no status") };
@@ -61,31 +57,46 @@ fn each_contact_is_its_own_input() {
     }
 }
 
-/// Each counter is the reading of its sensor, and each index latches it: TIM4 on its fourth channel.
+/// Travel of a count of the motor's encoder and of the scale of an axis, m.
+fn metres_per_count(axis: usize) -> [f64; 2] {
+    let MotorSensor::Encoder { metres_per_count } = TABLE[axis].motor else { panic!("an encoder") };
+    [metres_per_count, TABLE[axis].scale_m_per_count.unwrap()]
+}
+
+/// Each counter is the reading of its sensor, as it was at the start of the tick however late the program reads it, and each index latches it: TIM4 on
+/// its fourth channel.
 #[test]
 fn each_counter_is_its_own_sensor() {
     let mut board = Board::start(Port::Serial);
     board.tick();
-    for (number, (timer, flag, captured)) in INDEXES.into_iter().enumerate() {
-        let before = board.parts.hardware.readings();
+    let positions = |board: &mut Board| {
+        board.parts.hardware.readings().map(|reading| [reading.motor.0, reading.table.unwrap().0])
+    };
+    for (number, (timer, (flag, captured))) in COUNTERS.into_iter().zip(INDEXES).enumerate() {
+        let (axis, sensor) = (number % 2, number / 2);
+        let before = positions(&mut board);
         board.model.set(timer + 0x24, 100);
+        board.model.begin_tick();
+        board.model.set(timer + 0x24, 107);
         board.model.set(timer + captured, 60);
         board.model.set(timer + 0x10, flag);
         board.parts.hardware.begin_tick();
-        let (after, inputs) = (board.parts.hardware.readings(), board.parts.hardware.inputs());
-        let (axis, is_scale) = (number % 2, number / 2 == 1);
-        let moved = |axis: usize| {
-            [
-                after[axis].motor != before[axis].motor,
-                after[axis].table.map(|position| position.0) != before[axis].table.map(|position| position.0),
-            ]
+        let mut travelled = positions(&mut board);
+        for (to, from) in travelled.as_flattened_mut().iter_mut().zip(before.as_flattened()) {
+            *to -= from;
+        }
+        // A count is a whole number of units, or is rounded to one.
+        let is_after = |units: i64, counts: f64| {
+            (units - Position::from_m(counts * metres_per_count(axis)[sensor]).unwrap().0).abs() <= 100
         };
-        assert_eq!((moved(axis), moved(1 - axis)), ([!is_scale, is_scale], [false; 2]), "{timer:#x}");
-        let indexes = inputs.axes.map(|axis| [axis.motor_index.is_some(), axis.scale_index.is_some()]);
-        let mut expected = [[false; 2]; 2];
-        expected[axis][usize::from(is_scale)] = true;
-        assert_eq!(indexes, expected, "{timer:#x}");
+        assert!(is_after(std::mem::take(&mut travelled[axis][sensor]), 100.0), "{timer:#x}");
+        assert_eq!(travelled, [[0; 2]; 2], "{timer:#x}");
+        let indexes = board.parts.hardware.inputs().axes.map(|axis| [axis.motor_index, axis.scale_index]);
+        let mut others = indexes;
+        let index = others[axis][sensor].take().unwrap();
+        assert!(is_after(index.0 - before[axis][sensor], 60.0) && others == [[None; 2]; 2], "{timer:#x}");
         board.model.set(timer + 0x10, 0);
+        board.model.set(timer + 0x24, 100);
     }
 }
 
