@@ -10,7 +10,7 @@ pub mod can_port;
 pub mod chip;
 mod clock;
 mod converter;
-mod counters;
+pub mod counters;
 mod dac;
 pub mod flash;
 mod pins;
@@ -128,7 +128,7 @@ impl<B: Bus> Parts<B> {
         stage::start(bus);
         pins::set_up(bus);
         converter::start(bus);
-        let timers = counters::start(bus);
+        let timers = counters::start(bus, counters::scale_signals(table, counters::MASTERS));
         let (uart, serial_interrupt) = uart::start(bus, serial);
         let (can, can_interrupt) = can_port::start(bus, can);
         let ports = TwoPorts::new(uart, Some(UsbPort { port: can, receiver }));

@@ -5,6 +5,9 @@ use std::ops::Deref;
 
 use stm32g4::stm32g474 as chip;
 
+use firmware::g474::counters::{self, Signals, scale_signals};
+use firmware::setup::TABLE;
+
 use super::board::{Board, Port};
 use super::model::Model;
 
@@ -180,6 +183,39 @@ fn counters() {
     let [inputs, _, channels, mode, on] = counter!(TIM4);
     check(model, &[inputs, channels, mode, on]);
     check(model, &[expected!(TIM4.ccmr2_input, |w| w.cc4s().ti4().ic4f().bits(0b0111).cc3s().trc())]);
+}
+
+/// Steps of a master at the inputs of both scales: their rising edges count (CC2P), up or down by the other input.
+#[test]
+fn counters_of_steps() {
+    let model = started();
+    counters::start(model, [Signals::DirectionAndSteps; 2]);
+    macro_rules! steps {
+        ($device:ident) => {
+            [
+                expected!($device.ccer, |w| {
+                    w.cc1e().set_bit().cc2e().set_bit().cc2p().set_bit().cc3e().set_bit().cc4e().set_bit()
+                }),
+                // 1011, of which the description has the upper bit apart.
+                expected!($device.smcr, |w| w.sms().bits(3).sms_3().set_bit().ts().bits(1)),
+            ]
+        };
+    }
+    check(model, &steps!(TIM5));
+    check(model, &steps!(TIM8));
+    // The motor encoders remain encoders.
+    check(model, &counter!(TIM3));
+}
+
+/// A scale is an encoder, whatever the master of an axis without one is.
+#[test]
+fn a_scale_has_the_signals_of_an_encoder() {
+    let steps = [Signals::DirectionAndSteps; 2];
+    let mut table = TABLE;
+    table[0].scale_m_per_count = Some(1e-7);
+    table[1].scale_m_per_count = None;
+    assert_eq!(scale_signals(&table, steps), [Signals::Quadrature, Signals::DirectionAndSteps]);
+    assert_eq!(scale_signals(&table, [Signals::Quadrature; 2]), [Signals::Quadrature; 2]);
 }
 
 #[test]
