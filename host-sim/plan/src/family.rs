@@ -1,7 +1,8 @@
 //! The motions that are tried: rounds of strokes over the travel.
 //!
 //! Every round has all strokes, over other parts of the travel: a trace compares parts of a log with each other, and holds the last quarter out of
-//! its fits. A part with strokes that no other has would not be described by what the others show.
+//! its fits. A part with strokes that no other has would not be described by what the others show. No motion keeps to a part of the travel: there, an
+//! error of one place passes for a slope or a wave.
 
 use indexmap::IndexMap;
 
@@ -90,9 +91,6 @@ const PATTERNS: [Pattern; 8] = [
     },
 ];
 
-/// Parts of the travel.
-const SPANS: [(f64, &str); 2] = [(0.3, "over a third of the travel"), (1.0, "over the travel")];
-
 /// A motion with its duration.
 #[derive(Clone, Debug)]
 pub struct Candidate {
@@ -107,7 +105,7 @@ pub struct Candidate {
 /// The motions within some limits, the shortest first.
 #[must_use]
 pub fn candidates(limits: &MotionLimits) -> Vec<Candidate> {
-    let all = PATTERNS.iter().flat_map(|pattern| SPANS.iter().map(move |span| pattern.within(limits, *span)));
+    let all = PATTERNS.iter().map(|pattern| pattern.within(limits));
     let mut candidates: Vec<Candidate> =
         all.filter(|one| one.seconds <= limits.time_s && one.motion.motion().is_some()).collect();
     candidates.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
@@ -117,9 +115,9 @@ pub fn candidates(limits: &MotionLimits) -> Vec<Candidate> {
 }
 
 impl Pattern {
-    fn within(&self, limits: &MotionLimits, (span, of_travel): (f64, &str)) -> Candidate {
+    fn within(&self, limits: &MotionLimits) -> Candidate {
         let how = if self.is_together && limits.axes.len() > 1 { "diagonal " } else { "" };
-        let name = format!("{how}{} {of_travel}", self.name);
+        let name = format!("{how}{}", self.name);
         let start_mm: IndexMap<String, f64> =
             limits.axes.iter().map(|axis| (axis.name.clone(), axis.middle_mm)).collect();
         let lines = Lines::begin(&name, start_mm, slowest(&limits.axes));
@@ -131,9 +129,9 @@ impl Pattern {
             }
             for part in self.parts {
                 if self.is_together {
-                    timed.strokes(&limits.axes, span * round, part);
+                    timed.strokes(&limits.axes, *round, part);
                 } else {
-                    limits.axes.chunks(1).for_each(|axis| timed.strokes(axis, span * round, part));
+                    limits.axes.chunks(1).for_each(|axis| timed.strokes(axis, *round, part));
                 }
             }
         }
@@ -224,7 +222,7 @@ mod tests {
     #[test]
     fn every_motion_stays_within_its_limits_and_ends_where_it_starts() {
         let candidates = candidates(&limits(200.0));
-        assert_eq!(candidates.len(), PATTERNS.len() * SPANS.len());
+        assert_eq!(candidates.len(), PATTERNS.len());
         for candidate in &candidates {
             let motion = candidate.motion.motion().unwrap();
             let mut at = [200.0, -30.0];
@@ -244,7 +242,7 @@ mod tests {
         let two = limits(200.0);
         let one = MotionLimits { axes: two.axes[..1].to_vec(), ..two };
         let names: Vec<String> = candidates(&one).into_iter().map(|candidate| candidate.name).collect();
-        assert_eq!(names.len(), (PATTERNS.len() - 1) * SPANS.len(), "{names:?}");
+        assert_eq!(names.len(), PATTERNS.len() - 1, "{names:?}");
         assert!(names.iter().all(|name| !name.contains("diagonal")), "{names:?}");
     }
 
@@ -264,10 +262,10 @@ mod tests {
             }
             moves
         };
-        let alone = moves("strokes over the travel");
+        let alone = moves("strokes");
         assert!(alone.iter().all(|[x, y]| (*x == 0.0) != (*y == 0.0)), "{alone:?}");
         // The ratio of their moves differs from stroke to stroke.
-        let together = moves("diagonal steps over the travel");
+        let together = moves("diagonal steps");
         let ratios: Vec<f64> = together.iter().filter(|[x, _]| *x != 0.0).map(|[x, y]| y / x).collect();
         assert!(
             ratios.iter().any(|ratio| *ratio > 0.5) && ratios.iter().any(|ratio| *ratio < -0.5),
@@ -284,7 +282,7 @@ mod tests {
         assert!(short.iter().all(|one| one.seconds <= 20.0));
         // Four rounds over parts of the travel, in all 3.3 of it. Each has strokes of 50, 100 and 50 mm at 100 mm/s and 2 m/s²: 2 s over the whole
         // lengths, 0.05 s of ramps and 0.1 s after each; two axes, after 0.5 s.
-        let strokes = all.iter().find(|one| one.name == "strokes over the travel").unwrap();
+        let strokes = all.iter().find(|one| one.name == "strokes").unwrap();
         let expected_s = 0.5 + 2.0 * (2.0 * 3.3 + 4.0 * 3.0 * 0.15);
         assert!((strokes.seconds - expected_s).abs() < 1e-9, "{} {expected_s}", strokes.seconds);
     }

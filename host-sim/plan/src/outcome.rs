@@ -60,7 +60,7 @@ pub struct Plan {
 }
 
 impl Expected {
-    /// The values of the effects of a model that a trace has found.
+    /// The values of the effects of a model that a trace has found and fitted: the period of a wave of the screw is its lead.
     #[must_use]
     pub fn of(model: &Machine, answers: &Answers) -> Vec<Self> {
         let mut all = Vec::new();
@@ -74,20 +74,21 @@ impl Expected {
                 let values = parameters.iter().zip(effect.values()).enumerate();
                 // The knots of a map are too many for a table.
                 let single = values.filter(|(_, (parameter, _))| !parameter.is_list);
-                all.extend(single.map(|(i, (parameter, value))| Self {
+                let expected = single.map(|(i, (parameter, value))| Self {
                     axis: name.clone(),
                     effect: effect.name(),
                     key: parameter.key,
                     value,
                     before: evidence.half_widths.get(i).copied().filter(|half| *half > 0.0),
                     after: found.and_then(|(_, _, half_widths)| half_widths.get(i).copied()),
-                }));
+                });
+                all.extend(expected.filter(|one| one.after != Some(0.0)));
             }
         }
         all
     }
 
-    /// Whether the interval is known and no wider than a percentage of the value. A value that is not fitted has no interval.
+    /// Whether the interval is known and no wider than a percentage of the value.
     #[must_use]
     pub fn is_within(&self, percent: f64) -> bool {
         self.after.is_some_and(|half| half <= 0.01 * percent * self.value.abs())
@@ -238,5 +239,41 @@ impl Undecidable {
             rivals.join(" or "),
             decided_by.join("; or ")
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A period that is the lead of the screw is not fitted, and has no interval that a motion could narrow.
+    #[test]
+    fn only_fitted_values_have_an_expected_interval() {
+        let text = r#"
+            name = "m"
+            sample_rate_hz = 1000.0
+            [axis.x]
+            lead_mm = 10.0
+            [[axis.x.effect]]
+            name = "pitch_cyclic"
+            amplitude_um = 3.0
+            period_mm = 10.0
+            phase_rad = 0.5
+            [[axis.x.evidence]]
+            effect = "pitch_cyclic"
+            certainty = "ambiguous"
+            half_widths = [0.3, 0.0, 0.1]
+        "#;
+        let model = Machine::parse(text, "m.toml").unwrap();
+        let effect = model.axis["x"].effect[0].clone();
+        let answers = Answers {
+            is_recognized: Vec::new(),
+            found: vec![("x".to_owned(), effect, vec![0.2, 0.0, 0.04])],
+        };
+        let expected = Expected::of(&model, &answers);
+        let rows: Vec<_> = expected.iter().map(|one| (one.key, one.before, one.after)).collect();
+        assert_eq!(rows, [("amplitude_um", Some(0.3), Some(0.2)), ("phase_rad", Some(0.1), Some(0.04))]);
+        // 0.2 of 3 is 6.7 %.
+        assert!(expected[0].is_within(7.0) && !expected[0].is_within(6.0));
     }
 }

@@ -23,6 +23,9 @@ use trace::Machine;
 /// Samples of the circle that are in the log.
 const SHORT: usize = 3000;
 
+/// Time between the short log and the planned motion, s.
+const PAUSE_S: f64 = 20.0;
+
 /// What the owner of the machine permits: speed, mm/s, acceleration, m/s², and time, s.
 const PERMITTED: [f64; 3] = [100.0, 2.0, 60.0];
 
@@ -104,11 +107,12 @@ impl PlanCase {
         Ok(Some(self.outcome(&plan, traced.as_ref())))
     }
 
-    /// The JSON of a trace of a motion on the machine.
+    /// The JSON of a trace of the short log and that of a motion on the machine, both on one clock.
     fn traced(&self, motion: &Motion, progress: &(dyn Fn(&str) + Sync)) -> Result<Value, InputError> {
         let mut random = noise(self.seed, self.number, 1);
-        let log = simulation::run(&self.drawn.axes, &positions(motion), 0.0, &mut random);
-        let trace = trace::trace(&self.declared, &[log], &[], progress)?;
+        let start_s = SAMPLE_S * SHORT as f64 + PAUSE_S;
+        let log = simulation::run(&self.drawn.axes, &positions(motion), start_s, &mut random);
+        let trace = trace::trace(&self.declared, &[self.log.clone(), log], &[], progress)?;
         Ok(trace::json::Document::of(&trace, &[], false).value())
     }
 

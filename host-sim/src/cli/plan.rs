@@ -109,11 +109,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     drop(progress);
     write(arguments, &plan)?;
     print(&plan.text())?;
+    if plan.motion.is_some() && !logs.is_empty() {
+        print(WITH_EARLIER_LOGS)?;
+    }
     if plan.motion.is_none() && plan.has_goals() {
         bail!("no motion is written");
     }
     Ok(())
 }
+
+/// What to do with the log of the motion.
+const WITH_EARLIER_LOGS: &str = "\nTrace its log together with the logs that you have, if their times are of one clock: an effect that makes either of them worse is not stated as certain.";
 
 /// The limits of the command line.
 fn stated(arguments: &Arguments) -> Result<StatedLimits, InputError> {
