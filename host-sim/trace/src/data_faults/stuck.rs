@@ -55,25 +55,45 @@ struct Other<'a> {
 }
 
 impl Other<'_> {
-    /// Whether the readings of a range are stuck by the motion of this channel.
+    /// Whether the axis travels far by this channel, another sensor, while the reading is the same for a long time.
+    fn travels_far(&self, range: &Range<usize>, options: &FaultOptions) -> bool {
+        let far = (1e-3 * options.min_held_travel_um).max(self.smallest);
+        let stretch = &self.values[range.start - 1..range.end];
+        self.are_sensors && range.len() >= MIN_CONSTANT && travel(stretch) > far
+    }
+
+    /// Motion of this channel within a range, if the reading jumps afterwards by the motion that it has missed.
     ///
     /// A table within a backlash or a motor in a standstill repeats its reading as well, but does not jump by the missed
-    /// motion afterwards. A reading that does not jump is stuck only beside far travel of another sensor.
-    fn shows_stuck(&self, values: &[f64], range: &Range<usize>, options: &FaultOptions) -> bool {
+    /// motion afterwards.
+    fn caught_up(&self, values: &[f64], range: &Range<usize>) -> Option<f64> {
         let (before, last) = (range.start - 1, range.end - 1);
-        let far = (1e-3 * options.min_held_travel_um).max(self.smallest);
-        if self.are_sensors && range.len() >= MIN_CONSTANT && travel(&self.values[before..=last]) > far {
-            return true;
-        }
-        let (Some(end), Some(released)) = (self.values.get(range.end), values.get(range.end)) else {
-            return false;
-        };
-        let [missed, jump] = [end - self.values[before], released - values[last]];
+        let [missed, jump] =
+            [self.values.get(range.end)? - self.values[before], values.get(range.end)? - values[last]];
         let moved = (self.values[last] - self.values[before]).abs();
         // The other channel itself has no spike within the range.
         let moves = moved >= self.smallest && moved <= (1.0 + MAX_CATCH_UP_ERROR) * missed.abs();
-        moves && (jump - missed).abs() <= MAX_CATCH_UP_ERROR * missed.abs()
+        (moves && (jump - missed).abs() <= MAX_CATCH_UP_ERROR * missed.abs()).then_some(moved)
     }
+
+    /// Whether the axis stands by this channel, another sensor whose reading is not repeated itself, while it moves by a third one. Where a gap closes, the
+    /// reading that is the same by chance while the table stands is followed by the jump of a table that is hit.
+    fn stands(&self, range: &Range<usize>, moved: f64) -> bool {
+        let stretch = &self.values[range.start - 1..range.end];
+        let [first, .., last] = stretch else { return false };
+        let is_repeated = stretch.iter().all(|value| value.to_bits() == first.to_bits());
+        self.are_sensors && !is_repeated && (last - first).abs() < 0.5 * moved
+    }
+}
+
+/// Whether the readings of a range are stuck by the motion of other channels.
+fn is_stuck(others: &[Other<'_>], values: &[f64], range: &Range<usize>, options: &FaultOptions) -> bool {
+    let is_known_to_stand = |moved: f64| others.iter().any(|other| other.stands(range, moved));
+    others.iter().any(|other| other.travels_far(range, options))
+        || others
+            .iter()
+            .filter_map(|other| other.caught_up(values, range))
+            .any(|moved| !is_known_to_stand(moved))
 }
 
 /// The stuck ranges of a channel. If it repeats readings often, smaller missed motions are regarded as well, as far as noise
@@ -91,9 +111,7 @@ fn find(values: &[f64], place: &ChannelLocation<'_>, options: &FaultOptions) -> 
             are_sensors: [channel, place.channel].iter().all(|channel| SENSORS.contains(channel)),
         };
         let others: Vec<Other<'_>> = references(place.axis(), place.channel).map(other).collect();
-        let is_stuck =
-            |range: &&Range<usize>| others.iter().any(|other| other.shows_stuck(values, range, options));
-        repeated.iter().filter(is_stuck).cloned().collect()
+        repeated.iter().filter(|range| is_stuck(&others, values, range, options)).cloned().collect()
     };
     let ranges = stuck(false);
     if ranges.len() < FREQUENT { ranges } else { stuck(true) }
@@ -221,6 +239,32 @@ mod tests {
             let (findings, ..) = found(&log(backlash_mm, resolution_mm));
             assert!(findings.faults.is_empty(), "{backlash_mm} {resolution_mm}: {:?}", findings.faults);
         }
+    }
+
+    /// The tool repeats a reading by chance while the table stands in a gap of 100 µm, and is then moved twice as far as the motor in a sample: it has not
+    /// missed the motion of the motor. Without the table, whose reading tells, it is reported; and where the table has moved, too.
+    #[test]
+    fn a_reading_that_is_the_same_by_chance_while_the_table_stands_is_not_stuck() {
+        let at: Vec<f64> = (0..200).map(|i| 2.5e-4 * f64::from(i * i)).collect();
+        // It stands at 2.5 mm until sample 101, and is hit.
+        let noise = |i: usize| 1e-5 * [0.0, 1.0, -2.0, 3.0][i % 4];
+        let behind = |i: usize| if i < 102 { at[i].min(2.5) } else { at[i] } + noise(i);
+        let standing: Vec<f64> = (0..200).map(behind).collect();
+        let mut repeated = standing.clone();
+        repeated[101] = repeated[100];
+        let find = |table: Option<&[f64]>| {
+            let mut axis = AxisLog::new("x", Unit::Millimetre);
+            axis.motor = Some(at.to_vec());
+            axis.table = table.map(<[f64]>::to_vec);
+            axis.tool = Some(repeated.clone());
+            let log = Log::new("l", 0.0, 1e-3, [axis]);
+            let place = ChannelLocation { log: &log, axis: 0, channel: Channel::Tool };
+            find(&repeated, &place, &FaultOptions::default())
+        };
+        assert_eq!(find(Some(&standing)), []);
+        let reported = 101..102;
+        assert_eq!(find(None), [reported.clone()]);
+        assert_eq!(find(Some(&at)), [reported]);
     }
 
     #[test]
