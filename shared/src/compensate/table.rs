@@ -343,6 +343,11 @@ mod tests {
         let error = ConfigError::OutOfRange { name, min: -65_536.0, max: 65_536.0 };
         assert_eq!((steep(-65_536.0, 65_535.0), steep(65_536.0, -65_535.0)), (None, None));
         assert_eq!((steep(-65_536.0, 65_536.0), steep(65_536.0, -65_536.0)), (Some(error), Some(error)));
+        let values = [-131_072.0, 131_072.0].into_iter().collect();
+        let points = Points { start_m: 0.0, spacing_m: 0.1, values };
+        let range = ValueRange { unit: 2.0, bound: 1e6 };
+        let error = ConfigError::OutOfRange { name, min: -131_072.0, max: 131_072.0 };
+        assert_eq!(Table::<Fixed>::new(&points_names!("pitch"), &points, range).err(), Some(error));
         let too_many = signals::<Fixed>(name, &[0.0; 65], ValueRange { unit: 1.0, bound: 10.0 }).unwrap_err();
         assert_eq!(too_many, ConfigError::Count { name, max: 64 });
     }

@@ -110,6 +110,22 @@ fn the_friction_of_a_cold_machine_has_its_range() {
     assert_eq!((of(100.1), of(-100.1)), (Some(error), Some(error)));
 }
 
+/// Bristles that are bent, here by half, stay so.
+#[test]
+fn a_start_keeps_the_bristles() {
+    let friction = TableFriction {
+        coulomb_n: 100.0,
+        presliding_stiffness_n_per_m: Some(50e6),
+        ..TableFriction::default()
+    };
+    let model = force(&ForceModel { friction, ..ForceModel::default() }, 4000.0);
+    let mut motion = CommandMotion::<Fixed>::at(position(0.2));
+    motion.step(position(0.2 + 25e-6));
+    let mut state = State { bristles: -(1 << 59), ..State::NEW };
+    model.start(&mut state, &motion);
+    assert_eq!((state.bristles, state.position), (-(1 << 59), motion.position));
+}
+
 /// A ramp lags by T·v: set in motion at 0.1 m/s with T = 10 ms, the filtered position is 1 mm behind the command, in either direction, and
 /// the bristles are bent that way.
 #[test]
