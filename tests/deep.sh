@@ -13,7 +13,7 @@
 #
 # A PART is a module of shared/src: control, drive, feedback, safety, monitor, machine, lockstep unless named; link,
 # homing, storage, capture, compensate and others by name; also a file of one, as machine/reference. The parts of the firmware are its
-# files, as firmware/board/stage, and firmware/constants: mutants of pins, numbers and wiring. A file that is done is
+# files, as firmware/board/stage, and firmware/constants: mutants of pins, numbers and wiring. What is done is
 # not repeated as long as neither source nor tests change, so that an interrupted run can be continued; FRESH=1 starts
 # again. Installs missing tools.
 set -euo pipefail
@@ -28,55 +28,32 @@ of_firmware=(constants flash setup bin/board board/clock board/converter board/d
   g474/supply g474/tick g474/uart g474/watchdog)
 # Minimum percentage of mutants that the tests detect; those listed as equivalent count as not detected.
 min_detected=95
-# Timeout of the tests of a mutant, s: a mutant may loop for ever.
-timeout_s=120
 
 work=$PWD/target/deep
 tree=$work/tree
 
 step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
 
-# The source files of a part.
+# The source file of a part, or its folder.
 files_of() {
-  if [[ $1 == firmware/* ]]; then echo "firmware/src/${1#firmware/}.rs"; elif [ -d "shared/src/$1" ]; then find "shared/src/$1" -name '*.rs' | sort; else echo "shared/src/$1.rs"; fi
+  if [[ $1 == firmware/* ]]; then echo "firmware/src/${1#firmware/}.rs"; elif [ -d "shared/src/$1" ]; then echo "shared/src/$1"; else echo "shared/src/$1.rs"; fi
 }
 
-# The tests that a mutant of a part is run with, as filters of their paths: the modules of shared/tests that detect its mutants, and
-# tests:: for all unit tests. None for all tests, where that was not measured.
-tests_of() {
-  case ${1%%/*} in
-  firmware) echo tests/firmware_mutants.py ;;
-  machine) echo enabling:: direction_check:: homing:: link:: machine:: monitor:: safety:: lockstep:: ;;
-  drive) echo tests:: amplifier:: direction_check:: homing:: inputs:: link:: ;;
-  homing | feedback) echo tests:: homing:: ;;
-  control) echo tests:: control:: enabling:: gain_change:: homing:: velocity_loop:: ;;
-  monitor) echo tests:: monitor:: safety:: ;;
-  lockstep) echo tests:: lockstep:: ;;
-  safety) echo tests:: ;;
-  link | capture | storage) echo tests:: link:: ;;
-  esac
-}
-
-# Hash of everything in the copy that a result depends on, and the tests of a part.
-fingerprint() {
-  echo "$(hash_of_tree) $(tests_of "$1") $(if [[ $1 == firmware/* ]]; then hash_of_firmware; fi)"
-}
-
-# The firmware and the tests of the chip, on which the results of its mutants depend too.
+# The firmware and the tests of the chip, on which the results of its mutants depend beside the rest.
 hash_of_firmware() {
   (cd "$tree" && find firmware tests -type f -print0 | sort -z | xargs -0 cat) | git hash-object --stdin
 }
 
+# What the results of all mutants depend on.
 hash_of_tree() {
   (
     cd "$tree"
-    cat Cargo.lock Cargo.toml .cargo/mutants.toml rust-toolchain.toml shared/Cargo.toml
+    cat Cargo.lock Cargo.toml .cargo/mutants.toml rust-toolchain.toml shared/Cargo.toml tests/shared_mutants.py
     find shared/src shared/tests -name '*.rs' -print0 | sort -z | xargs -0 cat
   ) | git hash-object --stdin
 }
 
-# Copies the working tree: the mutants are made in the copy, one after the other, and each recompiles only what it
-# changes. All files get the current time, since the last build may be that of a mutant.
+# Copies the working tree: the mutants are made in the copy. All files get the current time, since the last build may be that of a mutant.
 copy_tree() {
   rm -rf "$tree"
   mkdir -p "$tree"
@@ -101,57 +78,52 @@ mutate_firmware() {
   local what=$1
   [ "$what" != firmware/src/constants.rs ] || what=constants
   rm -rf "$work/mutants/$1"
-  (cd "$tree" && CARGO_TARGET_DIR=$work/build nice python3 tests/firmware_mutants.py "$what" "$work/mutants/$1/mutants.out")
-  fingerprint "$2" >"$work/mutants/$1/done"
+  (cd "$tree" && CARGO_TARGET_DIR=$work/build nice python3 tests/firmware_mutants.py "$what" "$work/mutants/$1/mutants.out") || exit
+  fingerprint >"$work/mutants/$1/done"
 }
 
-# Tests every mutant of a file of a part. No shrinking of failures, and the same random cases for all mutants.
-mutate() {
-  local file=$1 part=$2 results=$work/mutants/$1 status=0
-  local -a filters
-  read -ra filters < <(tests_of "$part"; echo)
-  rm -rf "$results"
-  mkdir -p "$results"
-  (cd "$tree" && CARGO_TARGET_DIR=$work/build PROPTEST_MAX_SHRINK_ITERS=0 PROPTEST_RNG_SEED=1 \
-    PROPTEST_DISABLE_FAILURE_PERSISTENCE=1 nice cargo mutants --in-place --package shared --file "$file" \
-    --output "$results" --timeout "$timeout_s" --caught --unviable --no-shuffle --colors never -- --lib --tests -- "${filters[@]}") || status=$?
-  # 2: some were missed, 3: some timed out. Any other status is a failure of cargo-mutants.
-  case $status in 0 | 2 | 3) fingerprint "$part" >"$results/done" ;; *) exit "$status" ;; esac
-}
+# Hash of everything that a result of the firmware depends on.
+fingerprint() { echo "$(hash_of_tree) $(hash_of_firmware)"; }
 
 mutants() {
   command -v cargo-mutants >/dev/null || cargo install cargo-mutants --locked
-  local part file survivors=0
-  local -A sum=([caught]=0 [missed]=0 [timeout]=0 [unviable]=0 [equivalent]=0)
+  local part status=0
+  local -a shared_parts=() firmware_parts=()
   for part in "$@"; do
-    [ "$part" != firmware/constants ] || continue
-    [ -n "$(files_of "$part" 2>/dev/null)" ] && [ -e "$(files_of "$part" | head -1)" ] ||
+    [ "$part" = firmware/constants ] || [ -e "$(files_of "$part")" ] ||
       { echo "$part: expected a part: ${parts[*]}" >&2; exit 2; }
+    if [[ $part == firmware/* ]]; then firmware_parts+=("$part"); else shared_parts+=("$part"); fi
   done
   copy_tree
   [ -z "${FRESH:-}" ] || rm -rf "$work/mutants"
-  local table=""
+  mkdir -p "$work/mutants"
+  if [ "${#firmware_parts[@]}" -gt 0 ]; then mutants_of_firmware "${firmware_parts[@]}" || status=1; fi
+  if [ "${#shared_parts[@]}" -gt 0 ]; then
+    step "mutants: ${shared_parts[*]}"
+    CARGO_TARGET_DIR=$work/build nice python3 tests/shared_mutants.py "$tree" "$work/mutants/shared" "$(hash_of_tree)" "${shared_parts[@]}" || status=1
+  fi
+  return $status
+}
+
+mutants_of_firmware() {
+  local part file survivors=0 table=""
+  local -A sum=([caught]=0 [missed]=0 [timeout]=0 [unviable]=0 [equivalent]=0)
   for part in "$@"; do
-    for file in $(files_of "$part"); do
-      local results=$work/mutants/$file listed all
-      listed=$(mutants_of "$file")
-      all=$(mutants_of "$file" --no-config)
-      [ "$all" -gt 0 ] || continue
-      if [ "$(cat "$results/done" 2>/dev/null)" != "$(fingerprint "$part")" ]; then
-        step "$file: $listed mutants"
-        if [ "$listed" -gt 0 ] && [[ $part == firmware/* ]]; then
-          mutate_firmware "$file" "$part"
-        elif [ "$listed" -gt 0 ]; then
-          mutate "$file" "$part"
-        fi
-      fi
-      local -A of=([equivalent]=$((all - listed)))
-      for kind in caught missed timeout unviable; do of[$kind]=$(lines "$results/mutants.out/$kind.txt"); done
-      table+=$(printf '%-32s %7d %7d %7d %11d %9d' "$(sed 's,^shared/src/,,; s,/src/,/,' <<<"$file")" "${of[caught]}" "${of[timeout]}" \
-        "${of[missed]}" "${of[equivalent]}" "${of[unviable]}")$'\n'
-      for kind in "${!sum[@]}"; do sum[$kind]=$((sum[$kind] + of[$kind])); done
-      if [ "${of[missed]}" -gt 0 ]; then cat "$results/mutants.out/missed.txt"; fi
-    done
+    file=$(files_of "$part")
+    local results=$work/mutants/$file listed all
+    listed=$(mutants_of "$file")
+    all=$(mutants_of "$file" --no-config)
+    [ "$all" -gt 0 ] || continue
+    if [ "$(cat "$results/done" 2>/dev/null)" != "$(fingerprint)" ]; then
+      step "$file: $listed mutants"
+      if [ "$listed" -gt 0 ]; then mutate_firmware "$file"; fi
+    fi
+    local -A of=([equivalent]=$((all - listed)))
+    for kind in caught missed timeout unviable; do of[$kind]=$(lines "$results/mutants.out/$kind.txt"); done
+    table+=$(printf '%-32s %7d %7d %7d %11d %9d' "${file/\/src\///}" "${of[caught]}" "${of[timeout]}" \
+      "${of[missed]}" "${of[equivalent]}" "${of[unviable]}")$'\n'
+    for kind in "${!sum[@]}"; do sum[$kind]=$((sum[$kind] + of[$kind])); done
+    if [ "${of[missed]}" -gt 0 ]; then cat "$results/mutants.out/missed.txt"; fi
   done
   step "mutants: $*"
   printf '%-32s %7s %7s %7s %11s %9s\n' file caught timeout missed equivalent unviable

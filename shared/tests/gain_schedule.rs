@@ -171,3 +171,20 @@ fn a_schedule_beyond_its_ranges_is_refused_by_name() {
     };
     assert_eq!(AxisConfig::<Fixed>::new(&beyond, RATES).unwrap_err().name(), "gain_schedule_ratio");
 }
+
+/// A schedule that is changed, set and taken away with the loops of an axis: after each change of the settings the force is that of their
+/// ratio for the same following error, Kv·r·e. The offset of the change has gone after 0.6 s, e⁻²⁰.
+#[test]
+fn a_schedule_is_changed_with_the_loops() {
+    let constant = |ratio| schedule(ScheduledOver::Position, &[[-0.1, ratio], [0.1, ratio]]);
+    let without_integral =
+        |gain_schedule| AxisSettings { velocity_integral_time_s: None, ..settings(gain_schedule) };
+    let mut machine = Machine::<f64, 1>::new(RATES, &[without_integral(None)], [Position(0)]).unwrap();
+    let (_, base_n) = *run(&mut machine, 20_000).last().unwrap();
+    assert!((base_n - KV_N_S_PER_M * KP_PER_S * 0.02).abs() < 1e-6, "{base_n} N");
+    for (gain_schedule, ratio) in [(constant(2.0), 2.0), (constant(0.5), 0.5), (None, 1.0)] {
+        machine.change(0, &without_integral(gain_schedule)).unwrap();
+        let force_n = (0..12_000).map(|_| machine.tick(&standing()).forces[0]).last().unwrap();
+        assert!((force_n - ratio * base_n).abs() < 1e-3, "{ratio}: {force_n} N of {base_n} N");
+    }
+}

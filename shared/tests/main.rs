@@ -4,6 +4,7 @@
 mod ahead;
 mod amplifier;
 mod compensation;
+mod config;
 mod control;
 mod direction_check;
 mod dual_feedback;

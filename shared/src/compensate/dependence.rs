@@ -169,6 +169,12 @@ mod tests {
             ..CompensationSettings::default()
         };
         assert!(dependent(&settings).is_empty());
+        // The same position twice is one position.
+        let squared = CompensationSettings {
+            products: product([Factor::Position { axis: 1, full_scale_m: 0.1 }; 2]),
+            ..CompensationSettings::default()
+        };
+        assert_eq!(dependent(&squared), [(CompensationKind::Products, 0b10)]);
         // With a map of the friction the force depends on the position, and the deflection with it.
         let friction = TableFriction { map: Some(points()), ..TableFriction::default() };
         let settings = CompensationSettings {

@@ -282,3 +282,6 @@ fn cold(warm_up: &FrictionWarmUp, tick_hz: f64, bound_n: f64) -> Result<(Fixed, 
     let ticks = positive("force.friction.warm_up.time_constant_s", warm_up.time_constant_s)? * tick_hz;
     Ok((Fixed::signal(force), OctaveCurve::new(8.0 * ticks, |elapsed| libm::exp(-elapsed / ticks))))
 }
+
+#[cfg(test)]
+mod tests;

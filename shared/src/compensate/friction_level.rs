@@ -71,3 +71,56 @@ impl Friction {
         Presliding::new(stiffness_n_per_m, positive("force.friction.coulomb_n", self.least_n())?)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compensate::names::stribeck_names;
+
+    const NAMES: StribeckNames = stribeck_names!("friction");
+
+    fn friction(coulomb_n: f64, excess_n: f64) -> Result<Friction, ConfigError> {
+        let stribeck = Some(Stribeck { excess_n, velocity_m_per_s: 5e-3 });
+        Friction::new(coulomb_n, (stribeck, NAMES), 1000.0, 2e12)
+    }
+
+    /// g(v) = 80 N + excess·exp(−(v/vₛ)²) with vₛ = 10¹⁰ position units per tick, for friction that falls and that rises with the speed.
+    #[test]
+    fn the_level_is_that_of_its_equation() {
+        for (excess_n, least_n, greatest_n) in [(40.0, 80.0, 120.0), (-30.0, 50.0, 80.0)] {
+            let friction = friction(80.0, excess_n).unwrap();
+            assert_eq!((friction.greatest_n(), friction.width()), (greatest_n, Some(1e10)));
+            assert!((friction.greatest_over_least() - greatest_n / least_n).abs() < 1e-12);
+            for over_width in [0.0f64, 0.5, 1.0, 3.0] {
+                let exact_n = 80.0 + excess_n * (-over_width * over_width).exp();
+                let speed = 1e10 * over_width;
+                assert!((friction.over_greatest(speed) - exact_n / greatest_n).abs() < 1e-12);
+                assert!((friction.least_over_level(speed) - least_n / exact_n).abs() < 1e-12);
+            }
+            // Bristles of 50 N/µm, whose greatest distance is 8 mm of the least level.
+            let error = friction.presliding(1.0).unwrap_err();
+            let name = "force.friction.presliding_stiffness_n_per_m";
+            assert_eq!(error, ConfigError::OutOfRange { name, min: least_n / 8e-3, max: least_n / 8e-9 });
+        }
+    }
+
+    /// Without friction at standstill there is no ratio, and at most 10⁴ otherwise; without an excess the level is constant.
+    #[test]
+    fn levels_of_zero_have_no_ratio() {
+        let over_least = |coulomb, excess| friction(coulomb, excess).unwrap().greatest_over_least();
+        assert_eq!((over_least(80.0, -80.0), over_least(0.0, 0.0), over_least(1e-3, 100.0)), (1.0, 1.0, 1e4));
+        let none = friction(0.0, 0.0).unwrap();
+        assert_eq!((none.over_greatest(0.0), none.width()), (0.0, None));
+        let constant = Friction::new(80.0, (None, NAMES), 1000.0, 2e12).unwrap();
+        assert_eq!((constant.over_greatest(1e9), constant.width()), (1.0, None));
+    }
+
+    #[test]
+    fn excess_and_velocity_have_their_ranges() {
+        assert!(friction(80.0, 1000.0).is_ok());
+        let error = ConfigError::OutOfRange { name: "friction.excess_n", min: -80.0, max: 1000.0 };
+        for excess_n in [-80.1, 1000.1] {
+            assert_eq!(friction(80.0, excess_n).err(), Some(error));
+        }
+    }
+}

@@ -102,6 +102,28 @@ mod tests {
         [nm(S::round(square)) + k * y * 1e9, nm(straight.correction(&other)) + k2 * y * y * 1e9]
     }
 
+    /// A table is of the error, which the correction takes away: halfway from 0 to 4 µm at 0.1 m, to the 2⁻²⁴ of an index.
+    #[test]
+    fn a_table_is_subtracted() {
+        let points =
+            settings::Points { start_m: 0.0, spacing_m: 0.2, values: [0.0, 4e-6].into_iter().collect() };
+        let straight = Straightness::<f64>::new(&settings::Straightness::Over(points), 1e-3).unwrap();
+        let other = CommandMotion::at(Position::from_m(0.1).unwrap());
+        assert!((straight.correction(&other).value() * LENGTH_M + 2e-6).abs() < 1e-12);
+    }
+
+    /// Beyond 4 m the quadratic keeps its value there, 10⁻⁵/m·16 m² = 160 µm. Gains are rounded by 2⁻²⁵: of 0.0025 for the
+    /// coefficient, and of 0.0041, twice, for the square below the end: 2.7e-5 of it.
+    #[test]
+    fn a_quadratic_keeps_its_value_beyond_four_metres() {
+        let straight = Straightness::<Fixed>::new(&settings::Straightness::Quadratic(1e-5), 1.0).unwrap();
+        for (m, square) in [(3.9, 15.21), (4.1, 16.0), (10.0, 16.0), (-90.0, 16.0)] {
+            let other = CommandMotion::at(Position::from_m(m).unwrap());
+            let correction_m = straight.correction(&other).value() * LENGTH_M;
+            assert!((correction_m + 1e-5 * square).abs() < 4.5e-9, "{m}: {correction_m}");
+        }
+    }
+
     proptest! {
         /// Up to 100 µm/m and 10 µm/m² at ±2 m in fixed point. Squareness, 200 µm: the gain of 0.1 is rounded by 2⁻²⁵, 0.06 nm;
         /// the result is rounded towards −∞ by up to its step of 2⁻¹⁴, 0.0625 nm, that of the position is below 0.01 nm. Straightness, 40 µm: the gain of 0.0025 is rounded by 2⁻²⁵,

@@ -58,3 +58,46 @@ impl<S: Scalar> CommandMotion<S> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Steps of 16 nm are increments of 1. A way of 10 nm back from the furthest point is no reversal, and a unit more is one, in either
+    /// direction; the next is counted from there.
+    #[test]
+    fn a_reversal_is_a_way_back_of_more_than_ten_nanometres() {
+        let step = 16 * PER_NM;
+        let mut motion = CommandMotion::<f64>::at(Position(100));
+        let way = 10 * PER_NM;
+        for (to, forward, reversed) in [
+            (step, true, false),
+            (step - way, true, false),
+            (step - way - 1, false, true),
+            (-step, false, false),
+            (way - step, false, false),
+            (way - step + 1, true, true),
+            (step, true, false),
+        ] {
+            let (from, increment) = (motion.position, motion.increment);
+            motion.step(Position(100 + to));
+            assert_eq!((motion.forward, motion.reversed), (forward, reversed), "{to}");
+            let moved = (Position(100 + to) - from) as f64 / step as f64;
+            assert!((motion.increment - moved).abs() < 1e-12);
+            assert!((motion.acceleration - (moved - increment)).abs() < 1e-12);
+        }
+    }
+
+    /// With a shifted origin a motion goes on as before.
+    #[test]
+    fn a_shifted_origin_is_no_motion() {
+        let mut motion = CommandMotion::<f64>::at(Position(0));
+        motion.step(Position(16 * PER_NM));
+        let mut shifted = motion.shifted(1000);
+        assert_eq!(shifted.position, Position(16 * PER_NM + 1000));
+        shifted.step(Position(6 * PER_NM + 1000));
+        assert!(!shifted.reversed);
+        shifted.step(Position(6 * PER_NM + 999));
+        assert!(shifted.reversed);
+    }
+}

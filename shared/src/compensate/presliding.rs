@@ -126,25 +126,29 @@ mod tests {
     }
 
     /// From rest the friction is g(1 − e^(−x/s)) with s = g/σ₀; after a reversal, −g + 2g·e^(−x/s) over the distance from it.
-    /// The result does not depend on the speed: the same at steps of 1 nm and of 700 nm.
+    /// The result does not depend on the speed: the same at steps of 1 nm and of 700 nm for s = 2 µm, and of a fiftieth of that for 40 nm.
     #[test]
     fn the_friction_follows_the_distance() {
-        let (g, stiffness) = (120.0, 60e6);
-        let presliding = Presliding::new(stiffness, g).unwrap();
-        for step_m in [1e-9, 30e-9, 700e-9] {
+        let cases = [(60e6, [1e-9, 30e-9, 700e-9]), (3e9, [2e-11, 6e-10, 14e-9])];
+        for (stiffness, step_m) in cases.into_iter().flat_map(|(n_per_m, steps)| steps.map(|m| (n_per_m, m)))
+        {
+            let g = 120.0;
+            let presliding = Presliding::new(stiffness, g).unwrap();
             let step = Position::from_m(step_m).unwrap().0;
+            // As rounded to a whole number of position units.
+            let (step_m, distance_m) = (step as f64 / PER_M, g / stiffness);
             #[expect(clippy::cast_possible_truncation, reason = "thousands")]
-            let there = (4e-6 / step_m) as i32;
+            let there = (2.0 * distance_m / step_m) as i32;
             let mut friction = 0;
             let mut worst = 0.0f64;
             for k in 1..=2 * there {
                 friction =
                     presliding.step(friction, if k > there { -step } else { step }, i32::MAX, i32::MAX);
-                let turn_n = g * (1.0 - (-f64::from(there) * step_m / 2e-6).exp());
+                let turn_n = g * (1.0 - (-f64::from(there) * step_m / distance_m).exp());
                 let exact = if k <= there {
-                    g * (1.0 - (-f64::from(k) * step_m / 2e-6).exp())
+                    g * (1.0 - (-f64::from(k) * step_m / distance_m).exp())
                 } else {
-                    -g + (turn_n + g) * (-f64::from(k - there) * step_m / 2e-6).exp()
+                    -g + (turn_n + g) * (-f64::from(k - there) * step_m / distance_m).exp()
                 };
                 let newton = friction as f64 / ONE as f64 * g;
                 worst = worst.max((newton - exact).abs());
@@ -168,15 +172,14 @@ mod tests {
     #[test]
     fn a_stiffness_that_is_not_resolved_is_refused() {
         let stiffness = |n_per_m| Presliding::new(n_per_m, 100.0).err();
-        assert_eq!(stiffness(60e6), None);
-        for n_per_m in [0.0, 1e4, 1e11] {
-            assert!(
-                matches!(
-                    stiffness(n_per_m),
-                    Some(ConfigError::OutOfRange { name: "force.friction.presliding_stiffness_n_per_m", .. })
-                ),
-                "{n_per_m}"
-            );
+        for n_per_m in [60e6, 12_600.0, 1.24e10] {
+            assert_eq!(stiffness(n_per_m), None);
+        }
+        // 100 N over 8 mm and 8 nm.
+        let name = "force.friction.presliding_stiffness_n_per_m";
+        let error = ConfigError::OutOfRange { name, min: 100.0 / 8e-3, max: 100.0 / 8e-9 };
+        for n_per_m in [0.0, 1e4, 1.26e10, 1e11] {
+            assert_eq!(stiffness(n_per_m), Some(error), "{n_per_m}");
         }
     }
 }

@@ -83,6 +83,25 @@ mod tests {
         worst
     }
 
+    /// From 0.02 m/s on there is no pulse, at half of it half of the pulse, and at rest all of it. The force is at most the bound.
+    #[test]
+    fn a_fast_reversal_has_no_pulse() {
+        let settings = settings::Reversal { force_n: 100.0, decay_s: 5e-3, fade_m_per_s: 0.02 };
+        let reversal = Reversal::<f64>::new(&settings, 1000.0, 100.0).unwrap();
+        for (m_per_s, expected) in [(0.03, 0.0), (0.0201, 0.0), (0.019, 5.0), (0.01, 50.0), (0.001, 95.0)] {
+            let mut motion = CommandMotion::at(Position(0));
+            motion.step(Position::from_m(-m_per_s / 1000.0).unwrap());
+            let force = reversal.force(&mut 0.0, &motion);
+            assert!((force + expected).abs() < 1e-9, "{m_per_s}: {force}");
+        }
+        for force_n in [100.1, -100.1] {
+            let error =
+                Reversal::<f64>::new(&settings::Reversal { force_n, ..settings }, 1000.0, 100.0).err();
+            let name = "reversal.force_n";
+            assert_eq!(error, Some(ConfigError::OutOfRange { name, min: -100.0, max: 100.0 }));
+        }
+    }
+
     #[test]
     fn the_pulse_matches_its_equation() {
         // Rounding per tick is 2⁻¹⁵, that of the decay 2⁻²⁵.

@@ -121,6 +121,17 @@ mod tests {
         }
     }
 
+    /// Below the lowest octave, 2⁸ units, a curve is straight, from its value at zero to that at 256.
+    #[test]
+    fn towards_standstill_the_curves_are_straight() {
+        let curves = SpeedCurves::new(1e9, |speed| [f64::from(speed < 1.0), speed / 512.0]);
+        for speed in [0u32, 1, 64, 255, 256] {
+            let part = f64::from(speed) / 256.0;
+            let [falling, rising] = fractions(&curves, f64::from(speed));
+            assert!((falling - (1.0 - part)).abs() < 2e-9 && (rising - part / 2.0).abs() < 2e-9, "{speed}");
+        }
+    }
+
     #[test]
     fn beyond_their_end_the_curves_keep_the_last_value() {
         let curves = SpeedCurves::new(1e12, |speed| [speed / 4e12, 1.0]);

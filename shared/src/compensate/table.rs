@@ -284,6 +284,38 @@ mod tests {
         }
     }
 
+    /// Four points, whose corners are among the 64 that they are resampled to: straight between them, and from the last to the first, also
+    /// behind zero. A phase of 2⁻²³ of the greatest slope, 4·12 per period, is 6e-6.
+    #[test]
+    fn a_cycle_of_a_few_points_is_straight_between_them() {
+        let points = [1.0, 8.0, -4.0, 2.0];
+        let cycle = settings::Cycle { period_m: 0.01, values: points.into_iter().collect() };
+        let range = ValueRange { unit: 1.0, bound: 10.0 };
+        let periodic = PeriodicTable::<f64>::new(&SCREW[0], &cycle, range).unwrap();
+        for k in -400..800i32 {
+            let quarters = f64::from(k) / 100.0;
+            let whole = quarters.floor();
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 3")]
+            let from = whole.rem_euclid(4.0) as usize;
+            let exact = points[from] + (points[(from + 1) % 4] - points[from]) * (quarters - whole);
+            let value = periodic.at(position(0.0025 * quarters));
+            assert!((value - exact).abs() < 1e-5, "{quarters}: {value}, {exact}");
+        }
+    }
+
+    /// The last point of a full period has the first as its neighbour: 131 072 apart they are refused, as any other two.
+    #[test]
+    fn the_ends_of_a_cycle_are_neighbours() {
+        let of = |half: f64| {
+            let values = (0..64).map(|k| half - half * f64::from(k) / 31.5).collect();
+            let cycle = settings::Cycle { period_m: 0.01, values };
+            PeriodicTable::<Fixed>::new(&SCREW[0], &cycle, ValueRange { unit: 1.0, bound: 1e5 }).err()
+        };
+        assert_eq!(of(65_535.0), None);
+        let error = ConfigError::OutOfRange { name: "screw[0].values", min: -65_536.0, max: 65_536.0 };
+        assert_eq!(of(65_536.5), Some(error));
+    }
+
     #[test]
     fn rejected_tables_are_named() {
         let new = |points: &[f64], spacing| table::<Fixed>(0.0, spacing, points, 10.0).unwrap_err();
@@ -291,10 +323,31 @@ mod tests {
         assert_eq!(new(&[1.0], 0.1), ConfigError::Count { name, max: 64 });
         assert_eq!(new(&[1.0, f64::NAN], 0.1), ConfigError::NotFinite(name));
         assert_eq!(new(&[1.0, 11.0], 0.1), ConfigError::OutOfRange { name, min: -10.0, max: 10.0 });
+        assert!(table::<Fixed>(0.0, 0.1, &[-10.0, 10.0], 10.0).is_ok());
         let spacing = ConfigError::OutOfRange { name: "pitch.spacing_m", min: 1.1e-6, max: TRAVEL_LIMIT_M };
         assert_eq!(new(&[1.0, 2.0], 0.0), spacing);
-        let start = table::<Fixed>(101.0, 0.1, &[1.0, 2.0], 10.0).unwrap_err();
-        assert!(matches!(start, ConfigError::OutOfRange { name: "pitch.start_m", .. }));
+        // The travel is that of two spaces.
+        let spacing = ConfigError::OutOfRange { name: "pitch.spacing_m", min: 0.55e-6, max: 50.0 };
+        for m in [0.54e-6, 50.0] {
+            assert_eq!(new(&[1.0, 2.0, 3.0], m), spacing);
+        }
+        for m in [0.56e-6, 49.9] {
+            assert!(table::<Fixed>(0.0, m, &[1.0, 2.0, 3.0], 10.0).is_ok());
+        }
+        for m in [101.0, -101.0] {
+            let error = ConfigError::OutOfRange { name: "pitch.start_m", min: -100.0, max: 100.0 };
+            assert_eq!(table::<Fixed>(m, 0.1, &[1.0, 2.0], 10.0).unwrap_err(), error);
+        }
+        // Neighbours may differ by the range of a signal, 131 072.
+        let steep = |from, to| table::<Fixed>(0.0, 0.1, &[from, to], 1e5).err();
+        let error = ConfigError::OutOfRange { name, min: -65_536.0, max: 65_536.0 };
+        assert_eq!((steep(-65_536.0, 65_535.0), steep(65_536.0, -65_535.0)), (None, None));
+        assert_eq!((steep(-65_536.0, 65_536.0), steep(65_536.0, -65_536.0)), (Some(error), Some(error)));
+        let values = [-131_072.0, 131_072.0].into_iter().collect();
+        let points = Points { start_m: 0.0, spacing_m: 0.1, values };
+        let range = ValueRange { unit: 2.0, bound: 1e6 };
+        let error = ConfigError::OutOfRange { name, min: -131_072.0, max: 131_072.0 };
+        assert_eq!(Table::<Fixed>::new(&points_names!("pitch"), &points, range).err(), Some(error));
         let too_many = signals::<Fixed>(name, &[0.0; 65], ValueRange { unit: 1.0, bound: 10.0 }).unwrap_err();
         assert_eq!(too_many, ConfigError::Count { name, max: 64 });
     }

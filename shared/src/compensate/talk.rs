@@ -77,6 +77,31 @@ mod tests {
         worst
     }
 
+    /// The same error by a constant and by a table, halfway between 1 and 3 µm per m/s².
+    #[test]
+    fn a_table_has_the_sign_of_a_constant() {
+        let values = [1e-6, 3e-6].into_iter().collect();
+        let over = settings::Talk::Over(settings::Points { start_m: 0.0, spacing_m: 0.2, values });
+        let [over, constant] = [over, settings::Talk::Constant(2e-6)].map(|talk| {
+            Talk::<f64>::new(NAMES, &talk, 4000.0).unwrap().correction(Position(0) + 104_857_600_000_000)
+        });
+        // A unit is 4 µm per m/s²; the index of a table has an error of 2⁻²⁴.
+        assert!((constant + 0.5).abs() < 1e-12 && (over - constant).abs() < 1e-6, "{over}");
+    }
+
+    /// A unit at 4 kHz is 1.024 µm/(16 nm·rate²), 4 µm per m/s²; a gain of fixed point is below 128 of them.
+    #[test]
+    fn a_coefficient_that_is_no_gain_is_refused() {
+        let new = |value| Talk::<Fixed>::new(NAMES, &settings::Talk::Constant(value), 4000.0).err();
+        assert_eq!((new(5.11e-4), new(-5.11e-4)), (None, None));
+        for value in [5.13e-4, -5.13e-4] {
+            let Some(ConfigError::OutOfRange { name: "intalk.Constant", min, max }) = new(value) else {
+                panic!("{:?}", new(value))
+            };
+            assert!((max - 5.12e-4).abs() < 1e-15 && (min + max).abs() < 1e-18, "{min} to {max}");
+        }
+    }
+
     #[test]
     fn the_correction_is_proportional_to_the_acceleration() {
         // Fixed point: a step of the acceleration is 1 pm per tick², 16 µm/s² at 4 kHz, which is 24 pm of the correction. A

@@ -186,6 +186,16 @@ mod tests {
         assert_eq!((gantries.skew(1), gantries.skew(7)), (None, None));
     }
 
+    /// Where the machine rests, skew is counted from the difference without skew as well: 25 units less 10.
+    #[test]
+    fn skew_at_rest_is_counted_from_the_difference_without_skew() {
+        let mut gantries = gantries();
+        gantries.set_zero(2);
+        assert_eq!(gantries.skew(2), Some(0));
+        gantries.rest_at(&at([0, 100, 125]));
+        assert_eq!(gantries.skew(2), Some(15));
+    }
+
     /// Without references the beam is neither square nor moved, and its skew is that from where it was, also when an origin is shifted.
     #[test]
     fn an_origin_is_no_skew_and_a_lost_reference_keeps_the_difference() {

@@ -208,3 +208,24 @@ proptest! {
         cancels::<f64>([x, y]);
     }
 }
+
+/// The corrections of which few machines have one, together and with no other: the sum of both, to two steps of 62 pm and the rounding of each.
+#[test]
+fn a_screw_and_a_product_add_up() {
+    let of = |has_screw: bool, has_product: bool| {
+        let factors = [Factor::Position { axis: 1, full_scale_m: 0.1 }].into_iter().collect();
+        let settings = CompensationSettings {
+            screw: has_screw.then(|| Cycle::harmonic(20e-6, 5e-3, 1.0)).into_iter().collect(),
+            products: has_product.then_some(Product { amplitude_m: 30e-6, factors }).into_iter().collect(),
+            ..CompensationSettings::default()
+        };
+        let mut plant = TwoAxes::<Fixed>::new([&settings, &CompensationSettings::default()]);
+        plant.settle([0.0; 2], [0.012, 0.06]);
+        plant.added[0][0]
+    };
+    let (screw, product) = (of(true, false), of(false, true));
+    // −20 µm·sin(2π·2.4 + 1) to the 1.2e-3 of the amplitude of the curve, and −30 µm·0.6.
+    assert!((screw + 20e-6 * (TAU * 2.4 + 1.0).sin()).abs() < 30e-9, "{screw}");
+    assert!((product + 18e-6).abs() < 1e-9, "{product}");
+    assert!((of(true, true) - screw - product).abs() < 0.3e-9);
+}

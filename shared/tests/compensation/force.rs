@@ -4,14 +4,14 @@ use super::*;
 
 /// x(t) = A·(1 − cos ωt): reversals at rest, from 0 to 2A.
 #[derive(Clone, Copy)]
-struct Stroke {
+pub struct Stroke {
     amplitude_m: f64,
     omega: f64,
 }
 
 impl Stroke {
     /// Position, velocity and acceleration at a time.
-    fn at(&self, t: f64) -> [f64; 3] {
+    pub fn at(&self, t: f64) -> [f64; 3] {
         let (sine, cosine) = (self.omega * t).sin_cos();
         let speed = self.amplitude_m * self.omega;
         [self.amplitude_m * (1.0 - cosine), speed * sine, speed * self.omega * cosine]
@@ -19,7 +19,7 @@ impl Stroke {
 }
 
 /// The settings of a model without limits that would show: 1 MN/s is 250 N per tick.
-fn settings(model: ForceModel) -> CompensationSettings {
+pub fn settings(model: ForceModel) -> CompensationSettings {
     CompensationSettings {
         force: Some(model),
         force_bound_n: 5000.0,
@@ -53,7 +53,7 @@ fn worst<S: Scalar>(
     [worst, greatest]
 }
 
-const SLOW: Stroke = Stroke { amplitude_m: 0.02, omega: TAU };
+pub const SLOW: Stroke = Stroke { amplitude_m: 0.02, omega: TAU };
 
 /// Masses, viscous friction and its asymmetry, share: F = 0.7·(50 kg·a + 800·v + 200·|v|). The acceleration is half a tick
 /// older than the velocity: 50·jerk·0.125 ms, and jerk = Aω³ = 5 m/s³, is 0.03 N. A step of the acceleration in fixed
@@ -148,14 +148,14 @@ fn follows_presliding<S: Scalar>(stroke: Stroke, bound_n: f64) {
 
 /// Friction over the position, and that of a cold machine: (100 N + map(x) + 30 N·e^(−t/τ))·direction. Where the direction is
 /// ±1, 10 ms after a reversal.
-fn follows_additional_friction<S: Scalar>(stiffness: Option<f64>) {
+fn follows_additional_friction<S: Scalar>(stiffness: Option<f64>, [has_map, is_cold]: [bool; 2]) {
     let model = ForceModel {
         friction: TableFriction {
             coulomb_n: 100.0,
             presliding_stiffness_n_per_m: stiffness,
             stribeck: Some(Stribeck { excess_n: 40.0, velocity_m_per_s: 4e-3 }),
-            map: Some(points(-0.3, 0.01, |x| 500.0 * x)),
-            warm_up: Some(FrictionWarmUp { force_n: 30.0, time_constant_s: 0.5 }),
+            map: has_map.then(|| points(-0.3, 0.01, |x| 500.0 * x)),
+            warm_up: is_cold.then_some(FrictionWarmUp { force_n: 30.0, time_constant_s: 0.5 }),
             ..TableFriction::default()
         },
         ..ForceModel::default()
@@ -170,13 +170,15 @@ fn follows_additional_friction<S: Scalar>(stiffness: Option<f64>) {
         plant.tick([x, 0.0], [x, 0.0]);
         let from_reversal = (t + 1e-9) % 0.5;
         if (0.05..0.45).contains(&from_reversal) {
-            let exact = (100.0 + 500.0 * x + 30.0 * (-t / 0.5).exp()) * v.signum();
+            let map = if has_map { 500.0 * x } else { 0.0 };
+            let cold = if is_cold { 30.0 * (-t / 0.5).exp() } else { 0.0 };
+            let exact = (100.0 + map + cold) * v.signum();
             worst = worst.max((plant.added[2][0] - exact).abs());
         }
     }
     // At 39 mm/s the excess is 0; the decay over time is linear within an eighth of an octave, 30 N·0.0021; the map is
-    // evaluated with every command: half a tick of 0.125 m/s·500 N/m, 8 mN.
-    assert!(worst < 0.1 && worst > 1e-3, "{} {stiffness:?}: {worst} N", S::NAME);
+    // evaluated with every command: half a tick of 0.125 m/s·500 N/m, 8 mN. The rounding of a force to 61 µN must show.
+    assert!(worst < 0.1 && worst > 61e-6, "{} {stiffness:?}: {worst} N", S::NAME);
 }
 
 fn all<S: Scalar>() {
@@ -186,8 +188,10 @@ fn all<S: Scalar>() {
     // Per tick at the reversal A·ω²·tick²/2: 0.1 nm, 25 nm. g(v) is that of 0.48 % of the excess; u³/1536 of e^(−u) per tick.
     follows_presliding::<S>(Stroke { amplitude_m: 50e-6, omega: 0.5 * TAU }, 0.3);
     follows_presliding::<S>(SLOW, 0.3);
-    follows_additional_friction::<S>(None);
-    follows_additional_friction::<S>(Some(50e6));
+    for parts in [[true, true], [true, false], [false, true]] {
+        follows_additional_friction::<S>(None, parts);
+    }
+    follows_additional_friction::<S>(Some(50e6), [true, true]);
 }
 
 #[test]
@@ -232,43 +236,5 @@ fn the_stretch_follows_the_force_on_the_table() {
         stretch_follows_the_force::<Fixed>(is_applied);
         stretch_follows_the_force::<f32>(is_applied);
         stretch_follows_the_force::<f64>(is_applied);
-    }
-}
-
-/// A model that is set again during motion, with and without a lag: the filtered motion, the bristles and the tables start
-/// where they are, so that the force goes on as if nothing had been set.
-#[test]
-fn a_model_that_is_set_again_in_motion_goes_on() {
-    for lag_s in [0.0, 0.02] {
-        let model = ForceModel {
-            table_mass_kg: 100.0,
-            friction: TableFriction {
-                coulomb_n: 100.0,
-                presliding_stiffness_n_per_m: Some(50e6),
-                ..TableFriction::default()
-            },
-            load: Some(points(-0.3, 0.01, |x| 1000.0 * x)),
-            lag_s,
-            ..ForceModel::default()
-        };
-        let settings = settings(model);
-        let none = CompensationSettings::default();
-        let [mut plant, mut untouched] = [(), ()].map(|()| TwoAxes::<Fixed>::new([&settings, &none]));
-        let mut worst = 0.0f64;
-        for k in 1..4000 {
-            let t = f64::from(k) / RATE_HZ;
-            // 0.05 m/s: a steady motion after 0.2 s of acceleration.
-            let x = if t < 0.2 { 0.125 * t * t } else { 0.005 + 0.05 * (t - 0.2) };
-            if k == 3000 {
-                plant.all.replace(0, &AxisCompensation::new(&settings, RATES, FIRST_AXIS).unwrap());
-            }
-            for plant in [&mut plant, &mut untouched] {
-                plant.tick([x, 0.0], [x, 0.0]);
-            }
-            worst = worst.max((plant.added[2][0] - untouched.added[2][0]).abs());
-        }
-        // The load is evaluated at the setting, not in its turn.
-        assert!(worst < 0.05, "lag {lag_s}: {worst} N");
-        assert!(plant.added[2][0] > 120.0);
     }
 }

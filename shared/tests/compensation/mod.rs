@@ -6,6 +6,7 @@
 mod bounds;
 mod cancels;
 mod force;
+mod in_motion;
 mod refused;
 mod sensors;
 mod waits;

@@ -169,3 +169,21 @@ fn a_stretch_requires_the_force_model() {
     let error = AxisCompensation::<Fixed>::new(&settings, RATES, FIRST_AXIS).unwrap_err();
     assert_eq!(error.to_string(), "stretch_m_per_n: expected together with force, which is missing");
 }
+
+/// The compliance is a gain of fixed point, below 128 errors of 1.024 µm per newton.
+#[test]
+fn a_stretch_has_the_range_of_a_gain() {
+    let of = |m_per_n| {
+        let force = Some(ForceModel::default());
+        let settings =
+            CompensationSettings { force, stretch_m_per_n: Some(m_per_n), ..CompensationSettings::default() };
+        AxisCompensation::<Fixed>::new(&settings, RATES, FIRST_AXIS).err()
+    };
+    assert_eq!(of(131e-6), None);
+    for m_per_n in [132e-6, -1e-9] {
+        let Some(ConfigError::OutOfRange { name: "stretch_m_per_n", min: 0.0, max }) = of(m_per_n) else {
+            panic!("{:?}", of(m_per_n))
+        };
+        assert!((max - 131.072e-6).abs() < 1e-12, "{max}");
+    }
+}

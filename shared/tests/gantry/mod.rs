@@ -204,22 +204,44 @@ fn a_block_that_moves_the_second_motor_is_refused() {
     let end = check(&Block::line([0.02, 0.01, 0.01], 0.05, 0.5)).unwrap();
     assert_eq!(end, [Position::from_m(0.02).unwrap(), start[1], start[2]]);
     assert!(check(&Block::arc([0, 2], [0.0, 0.0], 0.5, 0.05, 0.5)).is_ok());
+    // 1 nm is what rounding may make of it.
+    let from_zero = |m| path.check(&Block::line([0.01, m, 0.0], 0.05, 0.5), [Position(0); 3], &[false; 3]);
+    assert!(from_zero(1e-9).is_ok() && from_zero(-1e-9).is_ok());
+    assert_eq!((from_zero(1.1e-9), from_zero(-1.1e-9)), (refused, refused));
     assert!(path.is_done());
 }
 
 /// A limit switch at the end of the second motor holds the first, too, and lets it back.
 #[test]
 fn the_limit_switches_of_both_ends_hold_the_beam() {
-    for (first, second) in
-        [([true, false], [false; 2]), ([false; 2], [true, false]), ([true, false], [true, false])]
-    {
-        let mut path = Path::<2>::new([Position(0); 2], 4000.0);
-        path.set_second_motors([None, Some(0)]);
-        path.set_blocked([first, second]);
-        let block = |to_m| Block::line([to_m, 0.0], 0.05, 0.5);
-        assert_eq!(path.push(&block(-0.01)), Err(PathError::LimitSwitch { axis: 0 }));
-        assert_eq!(path.push(&block(0.01)), Ok(()));
+    let off = [false; 2];
+    for (switch, to_m) in [([true, false], -0.01), ([false, true], 0.01)] {
+        for (first, second) in [(switch, off), (off, switch), (switch, switch)] {
+            let mut path = Path::<2>::new([Position(0); 2], 4000.0);
+            path.set_second_motors([None, Some(0)]);
+            path.set_blocked([first, second]);
+            let block = |to_m| Block::line([to_m, 0.0], 0.05, 0.5);
+            assert_eq!(path.push(&block(to_m)), Err(PathError::LimitSwitch { axis: 0 }));
+            assert_eq!(path.push(&block(-to_m)), Ok(()));
+        }
     }
+}
+
+/// Without references the present difference of the motors can be taken as that without skew. With references it is not: skew is measured from
+/// the square beam.
+#[test]
+fn a_difference_is_taken_as_no_skew_without_references_only() {
+    let mut machine = Machine::<Fixed, 2>::new(RATES, &settings(0.0), [Position(0); 2]).unwrap();
+    let readings = [0, 1000].map(|units| Reading { motor: Position(units), table: None });
+    let mut skew = |change: fn(&mut Machine<Fixed, 2>)| {
+        machine.tick(&readings);
+        change(&mut machine);
+        machine.tick(&readings);
+        machine.skew(1)
+    };
+    assert_eq!(skew(Machine::set_skew_zero), Some(1000));
+    assert_eq!(skew(|machine| machine.lose_reference(0)), Some(1000));
+    assert_eq!(skew(Machine::set_skew_zero), Some(0));
 }
 
 /// Neither the gantry nor its first motor is changed while the machine is configured; a second motor has no soft limits of its own.
