@@ -6,7 +6,7 @@ use shared::link::{Reply, Request};
 use shared::safety::{Fault, FaultKind, Power};
 
 use super::board::{Board, CONTACTS, Port, SWITCH};
-use super::model::{GPIOA, GPIOC, GPIOD, TIM1, set_can_flags};
+use super::model::{CAN, GPIOA, GPIOC, GPIOD, TIM1, set_can_flags};
 use shared::drive::Board as _;
 
 /// Status registers of the motor encoders of X and Y and of the scales, the flag of the index, and the offset of the captured count.
@@ -85,6 +85,13 @@ fn each_counter_is_its_own_sensor() {
         let mut expected = [[false; 2]; 2];
         expected[axis][usize::from(is_scale)] = true;
         assert_eq!(indexes, expected, "{timer:#x}");
+        // 60 of the 100 counts that were moved.
+        let [index, position] = if is_scale {
+            [inputs.axes[axis].scale_index, after[axis].table]
+        } else {
+            [inputs.axes[axis].motor_index, Some(after[axis].motor)]
+        };
+        assert_eq!(100 * index.unwrap().0, 60 * position.unwrap().0, "{timer:#x}");
         board.model.set(timer + 0x10, 0);
     }
 }
@@ -185,11 +192,29 @@ fn other_frames_and_a_bus_that_fails_do_not_end_the_session() {
     set_can_flags(board.model, 1);
     board.tick();
     // The bytes before the next packet are lost with it, and its repetition is answered.
+    let joined = board.model.written(CAN + 0x18).len();
     board.model.with(|state| state.can.is_on_bus = false);
     set_can_flags(board.model, 1 << 19);
     board.tick();
     assert!(board.model.with(|state| state.can.is_on_bus));
     board.host.end_of_packet();
     assert_eq!(status(&mut board), Power::On);
+    // Once: the interrupts of frames do not write to the control of the device.
+    assert_eq!(board.model.written(CAN + 0x18).len(), joined + 1);
     assert_eq!(board.parts.can.lost(), 0);
+}
+
+/// While other nodes keep the bus, the device holds three frames, and the others wait for it: nothing is lost.
+#[test]
+fn frames_wait_while_the_bus_is_held() {
+    let mut board = Board::enabled(Port::Can);
+    board.model.with(|state| state.can.is_held = true);
+    for _ in 0..3 {
+        board.send(&Request::Status);
+        board.ticks(20);
+    }
+    assert!(board.host.replies.is_empty());
+    board.model.with(|state| state.can.is_held = false);
+    board.ticks(20);
+    assert_eq!(board.host.replies.len(), 3);
 }
