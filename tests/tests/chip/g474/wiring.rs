@@ -32,6 +32,7 @@ fn each_contact_is_its_own_input() {
     };
     let normal = inputs(&mut board);
     assert!(!normal.emergency_stop && !normal.probe_touched);
+    assert!(normal.axes.iter().all(|axis| axis.limits == [false; 2] && !axis.drive_fault && !axis.home));
     for (bit, axis, end) in [(1, 0, 0), (5, 0, 1), (4, 1, 0), (13, 1, 1)] {
         board.set_contacts(CONTACTS & !(1 << bit));
         let mut expected = normal;
