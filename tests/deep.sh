@@ -22,7 +22,7 @@ cd "$(dirname "$0")/.."
 parts=(control drive feedback safety monitor machine lockstep)
 # `firmware` stands for these: what runs on the board. Its bench and its port for the emulator are tools of the tests.
 of_firmware=(constants flash setup bin/board board/clock board/converter board/dac board/flash board/link board/mod board/quadrature
-  board/registers board/stage board/tick board/uart board/usb board/watchdog
+  board/registers board/stage board/switches board/tick board/uart board/usb board/watchdog
   two_drives/counters two_drives/hardware two_drives/sensors two_drives/serial two_drives/stages two_drives/switches
   g474/can g474/can_port g474/clock g474/converter g474/counters g474/dac g474/flash g474/mod g474/pins g474/registers g474/stage
   g474/supply g474/tick g474/uart g474/watchdog)

@@ -46,7 +46,7 @@ WIRES = [
 STORED = ["board_boot::stored::"]
 USB = ["board_boot::a_usb_core"]
 BRAKES = ["board_boot::the_brakes_open", "board_boot::a_supply"]
-MODEL = ["g474::registers", "g474::start", "g474::wiring", "g474::flash"]
+MODEL = ["two_drives::", "g474::registers", "g474::start", "g474::wiring", "g474::outputs", "g474::ports", "g474::flash"]
 TICKS = ["board_boot::ticks::", "board_boot::a_hard_fault"]
 
 # The tests of a file, by the beginning of its path. The first that fits.

@@ -16,3 +16,4 @@ mod servo_board;
 mod setup_values;
 mod stack_depth;
 mod stored_records;
+mod two_drives;

@@ -50,7 +50,7 @@ pub struct Host {
     sequence: u32,
     /// Frames that wait for a place in the device.
     frames: VecDeque<CanFrame>,
-    replies: VecDeque<Reply>,
+    pub replies: VecDeque<Reply>,
 }
 
 /// The drives behind a lock, as RTIC's: nothing else runs that needs them while it is held.
@@ -191,6 +191,18 @@ impl Board {
 
     /// Sends a request and runs until its reply.
     pub fn ask(&mut self, request: &Request) -> Reply {
+        self.send(request);
+        for _ in 0..400 {
+            self.tick();
+            if let Some(reply) = self.host.replies.pop_front() {
+                return reply;
+            }
+        }
+        panic!("no reply to {request:?}")
+    }
+
+    /// Sends a request. It arrives while the board runs.
+    pub fn send(&mut self, request: &Request) {
         let host = &mut self.host;
         let frame = next_packet(host.session, &mut host.sequence, request);
         if host.port == Port::Serial {
@@ -206,13 +218,6 @@ impl Board {
                 rest = &rest[taken..];
             }
         }
-        for _ in 0..400 {
-            self.tick();
-            if let Some(reply) = self.host.replies.pop_front() {
-                return reply;
-            }
-        }
-        panic!("no reply to {request:?}")
     }
 
     /// With a session, and the drives on.

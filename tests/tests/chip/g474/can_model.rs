@@ -13,6 +13,8 @@ pub struct CanModel {
     /// Words by their offset.
     pub memory: BTreeMap<u32, u32>,
     pub is_on_bus: bool,
+    /// Other nodes keep the bus.
+    pub is_held: bool,
     /// Place of the oldest frame, and their number.
     oldest: u32,
     filled: u32,
@@ -77,6 +79,9 @@ impl CanModel {
 
     /// The oldest frame that waits leaves.
     pub fn transmit(&mut self) -> Option<Sent> {
+        if self.is_held {
+            return None;
+        }
         let element = SENT + self.waiting.pop_front()? * ELEMENT;
         let header = self.memory[&(element + 4)];
         let length = LengthCode::from_low_bits((header >> 16 & 15) as u8).bytes();

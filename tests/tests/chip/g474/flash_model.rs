@@ -108,6 +108,11 @@ impl FlashModel {
         Remains { memory: self.memory.clone(), damaged: self.damaged.clone() }
     }
 
+    /// A double word of the program cannot be corrected.
+    pub fn damage_program(&self) {
+        self.eccr.set(1 << 31);
+    }
+
     pub const fn control(&self) -> u32 {
         self.cr
     }

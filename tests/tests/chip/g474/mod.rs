@@ -7,6 +7,8 @@ mod devices;
 mod flash;
 mod flash_model;
 mod model;
+mod outputs;
+mod ports;
 mod program;
 mod registers;
 mod start;

@@ -71,6 +71,11 @@ const AFTER_RESET: [(u32, u32); 16] = [
 /// Reads of a register until what it waits for has happened.
 const DELAY: u32 = 3;
 
+thread_local! {
+    /// Interrupts that the program has raised.
+    pub static PENDED: RefCell<Vec<Line>> = const { RefCell::new(Vec::new()) };
+}
+
 /// A write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Write {
@@ -163,7 +168,9 @@ impl Bus for &'static Model {
         self.with(|state| state.waited_us += us);
     }
 
-    fn pend(_: Line) {}
+    fn pend(line: Line) {
+        PENDED.with_borrow_mut(|lines| lines.push(line));
+    }
 }
 
 impl State {
@@ -171,7 +178,10 @@ impl State {
         self.words.get(&address).copied().unwrap_or(0)
     }
 
+    /// There is something at the address (chapter 2: the flash, the devices, those of the core), and it has a clock.
     fn require_clock(&self, address: u32) {
+        let is_there = matches!(address, FLASH..0x0808_0000 | 0x4000_0000..0x5006_0c00 | 0xe000_0000..);
+        assert!(is_there, "nothing is at {address:#x}");
         let clocked = CLOCKED.iter().find(|(_, _, from, length)| (*from..from + length).contains(&address));
         if let Some((enable, bit, ..)) = clocked {
             assert!(self.word(RCC + enable) >> bit & 1 == 1, "{address:#x} has no clock");

@@ -6,7 +6,7 @@ use shared::safety::Fault;
 
 use super::board::{Board, Port, model, parts_on};
 use super::flash_model::Remains;
-use super::model::{GPIOA, GPIOB, GPIOC, GPIOD, RCC, TIM1, Write};
+use super::model::{CAN, GPIOA, GPIOB, GPIOC, GPIOD, RCC, TIM1, Write};
 
 const OPTR: u32 = 0x4002_2020;
 const CSR: u32 = RCC + 0x94;
@@ -95,4 +95,51 @@ fn only_the_settings_let_the_program_go_on_after_an_nmi() {
     model.set(RCC + 0x1c, 0);
     assert!(nmi_was_of_settings(model));
     assert!(!nmi_was_of_settings(model));
+    model.with(|state| state.flash.damage_program());
+    assert!(!nmi_was_of_settings(model));
+}
+
+/// CAN joins the bus when everything else of it is set up: a frame that arrived before would find no filter, and raise no interrupt.
+#[test]
+fn can_joins_the_bus_last() {
+    let model = model(Remains::erased());
+    let _parts = parts_on(model).unwrap();
+    let joins = model.first(|write| write.address == CAN + 0x18 && write.value & 1 == 0);
+    // RXGFC, both bit times, the compensation, and the enables of the interrupts.
+    for offset in [0x80, 0x1c, 0x0c, 0x48, 0xdc, 0x54, 0x5c] {
+        assert!(model.first(|write| write.address == CAN + offset) < joins, "{offset:#x}");
+    }
+}
+
+/// Each device that is set up was reset before (chapter 7): the bits of AHB2RSTR, APB1RSTR1 and APB2RSTR.
+#[test]
+fn each_device_is_reset() {
+    let model = model(Remains::erased());
+    let _parts = parts_on(model).unwrap();
+    for (register, bits) in [(0x2c, &[13, 16][..]), (0x38, &[0, 1, 2, 3, 18, 25]), (0x40, &[11, 13])] {
+        let reset = model.written(RCC + register).into_iter().fold(0, |all, bits| all | bits);
+        assert!(bits.iter().all(|bit| reset >> bit & 1 == 1), "{register:#x}: {reset:#x}");
+    }
+}
+
+/// A boot loader or a debugger may have used clocks and pins before: the caches are switched on, and a field that is set has no bit of what was
+/// there.
+#[test]
+fn the_start_sets_whole_fields() {
+    const ACR: u32 = 0x4002_2000;
+    const CCIPR: u32 = RCC + 0x88;
+    let clean = model(Remains::erased());
+    let _parts = parts_on(clean).unwrap();
+    let dirty = model(Remains::erased());
+    let functions = || [GPIOA, GPIOB, GPIOC].into_iter().flat_map(|port| [port + 0x20, port + 0x24]);
+    functions().chain([CCIPR]).for_each(|address| dirty.set(address, u32::MAX));
+    dirty.set(ACR, 0x0004_0000);
+    let _parts = parts_on(dirty).unwrap();
+    assert_eq!((dirty.word(ACR), dirty.word(CCIPR) >> 24 & 0b11), (clean.word(ACR), 0b10));
+    for address in functions() {
+        for place in (0..32).step_by(4) {
+            let [expected, found] = [clean, dirty].map(|model| model.word(address) >> place & 0b1111);
+            assert!(expected == 0 || found == expected, "{address:#x}, bit {place}: {found}");
+        }
+    }
 }

@@ -7,7 +7,7 @@ use shared::safety::{Fault, FaultKind, Power};
 use shared::units::Position;
 
 use super::board::{Board, CONTACTS, Port, SWITCH};
-use super::model::{COUNTERS, GPIOA, GPIOC, GPIOD, TIM1, set_can_flags};
+use super::model::{CAN, COUNTERS, GPIOA, GPIOC, GPIOD, TIM1, set_can_flags};
 use shared::drive::Board as _;
 
 /// Of the motor encoders of X and Y and of the scales, the flag of the index, and the offset of the captured count.
@@ -28,6 +28,7 @@ fn each_contact_is_its_own_input() {
     };
     let normal = inputs(&mut board);
     assert!(!normal.emergency_stop && !normal.probe_touched);
+    assert!(normal.axes.iter().all(|axis| axis.limits == [false; 2] && !axis.drive_fault && !axis.home));
     for (bit, axis, end) in [(1, 0, 0), (5, 0, 1), (4, 1, 0), (13, 1, 1)] {
         board.set_contacts(CONTACTS & !(1 << bit));
         let mut expected = normal;
@@ -196,11 +197,29 @@ fn other_frames_and_a_bus_that_fails_do_not_end_the_session() {
     set_can_flags(board.model, 1);
     board.tick();
     // The bytes before the next packet are lost with it, and its repetition is answered.
+    let joined = board.model.written(CAN + 0x18).len();
     board.model.with(|state| state.can.is_on_bus = false);
     set_can_flags(board.model, 1 << 19);
     board.tick();
     assert!(board.model.with(|state| state.can.is_on_bus));
     board.host.end_of_packet();
     assert_eq!(status(&mut board), Power::On);
+    // Once: the interrupts of frames do not write to the control of the device.
+    assert_eq!(board.model.written(CAN + 0x18).len(), joined + 1);
     assert_eq!(board.parts.can.lost(), 0);
+}
+
+/// While other nodes keep the bus, the device holds three frames, and the others wait for it: nothing is lost.
+#[test]
+fn frames_wait_while_the_bus_is_held() {
+    let mut board = Board::enabled(Port::Can);
+    board.model.with(|state| state.can.is_held = true);
+    for _ in 0..3 {
+        board.send(&Request::Status);
+        board.ticks(20);
+    }
+    assert!(board.host.replies.is_empty());
+    board.model.with(|state| state.can.is_held = false);
+    board.ticks(20);
+    assert_eq!(board.host.replies.len(), 3);
 }
