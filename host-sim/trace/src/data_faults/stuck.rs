@@ -254,7 +254,7 @@ mod tests {
         repeated[101] = repeated[100];
         let find = |table: Option<&[f64]>| {
             let mut axis = AxisLog::new("x", Unit::Millimetre);
-            axis.motor = Some(at.to_vec());
+            axis.motor = Some(at.clone());
             axis.table = table.map(<[f64]>::to_vec);
             axis.tool = Some(repeated.clone());
             let log = Log::new("l", 0.0, 1e-3, [axis]);
@@ -263,7 +263,7 @@ mod tests {
         };
         assert_eq!(find(Some(&standing)), []);
         let reported = 101..102;
-        assert_eq!(find(None), [reported.clone()]);
+        assert_eq!(find(None), std::slice::from_ref(&reported));
         assert_eq!(find(Some(&at)), [reported]);
     }
 
