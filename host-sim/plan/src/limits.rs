@@ -60,6 +60,11 @@ impl MotionLimits {
             let names = machine.axis.keys().cloned().collect::<Vec<_>>().join(", ");
             return Err(InputError::expected("--travel", format!("one of the axes {names}"), name));
         }
+        for (number, (name, _)) in stated.travel_mm.iter().enumerate() {
+            if stated.travel_mm[..number].iter().any(|(earlier, _)| earlier == name) {
+                return Err(InputError::expected("--travel", format!("one travel of {name}"), "two"));
+            }
+        }
         let names: Vec<String> = machine.axis.keys().cloned().collect();
         let options = TraceOptions::default();
         let signals: Vec<Signals> =
@@ -82,7 +87,8 @@ fn axis(
     let limits = machine.axis.get(name).map(|axis| &axis.settings.limits);
     let soft_mm = limits.and_then(|limits| limits.travel_mm);
     let unknown = |option: &str, what: &str| {
-        let expected = format!("{what} of {name}, as neither a log of --within nor the model has it");
+        let expected =
+            format!("{what} of {name}, as no log of --within in which it moves, nor the model, has it");
         InputError::expected(option, expected, "nothing")
     };
     let (middle_mm, half_mm) = match (stated.travel_mm.iter().find(|(axis, _)| axis == name), logged, soft_mm)
@@ -148,17 +154,18 @@ mod tests {
     }
 
     #[test]
-    fn a_travel_beyond_the_soft_limits_or_of_no_axis_is_refused() {
+    fn a_travel_beyond_the_soft_limits_of_no_axis_or_stated_twice_is_refused() {
         let soft = machine("travel_mm = [-100.0, 300.0]\n");
-        let refused = |axis: &str, travel: [f64; 2]| {
+        let refused = |travels: &[(&str, [f64; 2])]| {
             let stated = StatedLimits {
-                travel_mm: vec![(axis.to_owned(), travel)],
+                travel_mm: travels.iter().map(|(axis, travel)| ((*axis).to_owned(), *travel)).collect(),
                 speed_mm_s: Some(80.0),
                 acceleration_m_per_s2: Some(2.0),
             };
             MotionLimits::new(&soft, &stated, &[], 60.0).unwrap_err().to_string()
         };
-        assert!(refused("x", [-101.0, 0.0]).contains("within its travel_mm, -100 to 300"));
-        assert!(refused("y", [0.0, 1.0]).contains("one of the axes x"));
+        assert!(refused(&[("x", [-101.0, 0.0])]).contains("within its travel_mm, -100 to 300"));
+        assert!(refused(&[("y", [0.0, 1.0])]).contains("one of the axes x"));
+        assert!(refused(&[("x", [0.0, 1.0]), ("x", [0.0, 2.0])]).contains("one travel of x"));
     }
 }

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::family::Candidate;
-use crate::questions::{Question, Undecidable};
+use crate::questions::{Question, Undecidable, Unexplained};
 use crate::trial::{Answers, Asked};
 use files::format::significant;
 use model::effects::Effect;
@@ -45,6 +45,8 @@ pub struct Plan {
     pub questions: Vec<Question>,
     /// What no motion decides.
     pub undecidable: Vec<Undecidable>,
+    /// The axes that the trace has not described: what they lack is in no simulation.
+    pub unexplained: Vec<Unexplained>,
     /// The candidates of all questions.
     pub asked: Vec<Asked>,
     /// Whether a trace of the motion finds each of them for certain if it is the true one.
@@ -127,6 +129,10 @@ impl Plan {
         if self.motion.is_some() {
             parts.extend(self.expected_text());
         }
+        let unexplained: Vec<String> = self.unexplained.iter().map(Unexplained::sentence).collect();
+        if !unexplained.is_empty() {
+            parts.push(unexplained.join("\n"));
+        }
         if !self.tried.is_empty() {
             let row = |one: &Tried| {
                 format!("{:<64}{:>8.1}{:>5} of {}", one.name, one.seconds, one.reached, self.goals)
@@ -156,10 +162,12 @@ impl Plan {
         let decided = (0..count).filter(|question| self.decides(*question)).count();
         let is_all = self.tried.iter().any(|one| one.reached == self.goals);
         if is_all {
-            return format!("The shortest of the motions that were tried and reach every goal: {name}.");
+            return format!(
+                "The shortest of the motions that were tried and reach every goal in simulation: {name}."
+            );
         }
         format!(
-            "No motion within the limits reaches every goal. The one that reaches most: {name}; it decides {decided} of {count}."
+            "No motion within the limits reaches every goal in simulation. The one that reaches most: {name}; it decides {decided} of {count}."
         )
     }
 
@@ -169,8 +177,8 @@ impl Plan {
             let row = |(i, candidate): (usize, &Effect)| {
                 let axis = if i == 0 { question.axis.as_str() } else { "" };
                 let said = match recognized.get(i) {
-                    Some(true) => "names it, certain",
-                    Some(false) => "does not decide",
+                    Some(true) => "named it, certain",
+                    Some(false) => "did not decide",
                     None => "unknown",
                 };
                 let or = if i == 0 { "" } else { "or " };
@@ -178,7 +186,7 @@ impl Plan {
             };
             question.candidates.iter().enumerate().map(row).collect::<Vec<_>>()
         };
-        let head = format!("{:<6}{:<40}if it is the cause, the trace", "axis", "cause");
+        let head = format!("{:<6}{:<40}where it was the cause, a simulated trace", "axis", "cause");
         let rows = std::iter::once(head).chain(self.questions.iter().enumerate().flat_map(rows));
         (!self.questions.is_empty()).then(|| rows.collect::<Vec<_>>().join("\n"))
     }
@@ -225,9 +233,20 @@ impl Plan {
             "duration_s": self.motion.as_ref().map(|one| one.seconds),
             "questions": self.questions.iter().enumerate().map(question).collect::<Vec<_>>(),
             "not_by_a_motion": self.undecidable.iter().map(undecidable).collect::<Vec<_>>(),
+            "unexplained_um": self.unexplained.iter().map(|one| (one.axis.clone(), one.um.into())).collect::<serde_json::Map<_, _>>(),
             "expected": self.expected.iter().map(expected).collect::<Vec<_>>(),
             "tried": self.tried.iter().map(tried).collect::<Vec<_>>(),
         })
+    }
+}
+
+impl Unexplained {
+    fn sentence(&self) -> String {
+        let Self { axis, um } = self;
+        format!(
+            "{axis}: the trace left {} µm rms unexplained, which no motion was simulated with: an effect beside it may stay ambiguous.",
+            significant(*um, 2)
+        )
     }
 }
 

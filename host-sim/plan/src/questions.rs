@@ -29,6 +29,27 @@ pub struct Undecidable {
     pub decided_by: Vec<String>,
 }
 
+/// An axis of which the trace left more than noise unexplained.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unexplained {
+    /// Name of the axis.
+    pub axis: String,
+    /// The residual, µm rms; on a rotary axis thousandths of a degree.
+    pub um: f64,
+}
+
+/// Residual above which an axis is not described, µm rms: a trace does not say of less that the model does not fit.
+const DESCRIBED_UM: f64 = 0.05;
+
+/// The axes that the model does not describe.
+#[must_use]
+pub fn unexplained(model: &Machine) -> Vec<Unexplained> {
+    let left = model.axis.iter().filter_map(|(name, axis)| Some((name, axis.log_offsets?.unexplained_um?)));
+    left.filter(|(_, um)| *um > DESCRIBED_UM)
+        .map(|(name, um)| Unexplained { axis: name.clone(), um })
+        .collect()
+}
+
 /// The questions of a model.
 #[must_use]
 pub fn questions(model: &Machine) -> Vec<Question> {
@@ -156,6 +177,17 @@ mod tests {
         assert_eq!(rival.axis["x"].settings.mechanics.table_mass_kg, Some(110.0));
         // The file that is written is read again with the alternative.
         assert_eq!(Machine::parse(&model.to_toml(), "again.toml").unwrap(), model);
+    }
+
+    #[test]
+    fn an_axis_that_the_trace_did_not_describe_is_told() {
+        let left = |um: &str| {
+            let offsets = format!("[axis.x.log_offsets]\nunexplained_um = {um}\n");
+            unexplained(&Machine::parse(&format!("{MODEL}{offsets}"), "m.toml").unwrap())
+        };
+        assert_eq!(left("0.06"), [Unexplained { axis: "x".to_owned(), um: 0.06 }]);
+        assert_eq!(left("0.04"), []);
+        assert_eq!(unexplained(&Machine::parse(MODEL, "m.toml").unwrap()), []);
     }
 
     #[test]

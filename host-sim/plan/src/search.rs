@@ -3,7 +3,7 @@
 use crate::family::{Candidate, candidates};
 use crate::limits::MotionLimits;
 use crate::outcome::{Expected, Plan, Tried};
-use crate::questions::{declared, questions, undecidable};
+use crate::questions::{declared, questions, undecidable, unexplained};
 use crate::trial::{Answers, Bench, asked};
 use files::log::Log;
 use model::machine::Machine;
@@ -56,6 +56,7 @@ pub fn plan(planning: &Planning<'_>, progress: &(dyn Fn(&str) + Sync)) -> Plan {
     }
     Plan {
         undecidable: undecidable(model),
+        unexplained: unexplained(model),
         asked,
         questions,
         goals,

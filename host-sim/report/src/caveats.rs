@@ -60,9 +60,9 @@ pub fn misfit_held_out(axis: &AxisIdentification) -> Option<String> {
     let only_held_out = |error: &StageResidual| error.is_gross_held_out() && !error.is_gross();
     let residuals = list_residuals(axis, only_held_out, |pair| pair.validate)?;
     Some(format!(
-        "{}: the model does not describe the logs held out, so that they cannot validate the other results; \
-         residuals: {residuals}. A channel of these logs may be wrong, or their motion excites behaviour that the \
-         fitted logs do not show.",
+        "{}: the model does not describe what was held out of its fit, so that this cannot validate the other results; \
+         residuals: {residuals}. A channel may be wrong there, or the motion there excites behaviour that the \
+         fitted part does not show.",
         axis.axis
     ))
 }

@@ -26,7 +26,7 @@ pub struct Arguments {
     /// logged. May be given several times.
     #[arg(long, value_name = "LOG")]
     within: Vec<PathBuf>,
-    /// Travel of an axis that the motion may use, mm or degrees, `x=-50..200`. Default: that of the logs, otherwise `travel_mm` of the model.
+    /// Travel of an axis that the motion may use, mm or degrees, `x=-50..200`. Default: that of the logs, otherwise 95 % of `travel_mm` of the model.
     #[arg(long, value_name = "AXIS=FROM..TO", allow_hyphen_values = true)]
     travel: Vec<Travel>,
     /// Largest speed of each axis, mm/s. Default: that of the logs, otherwise `fastest_mm_per_s`, which is never exceeded.
@@ -131,7 +131,7 @@ fn stated(arguments: &Arguments) -> Result<StatedLimits, InputError> {
     ];
     for (option, number) in numbers {
         if let Some(number) = number.filter(|number| !(number.is_finite() && *number > 0.0)) {
-            return Err(InputError::expected(option, "a number above 0", number));
+            return Err(InputError::expected(option, "a finite number above 0", number));
         }
     }
     Ok(StatedLimits {

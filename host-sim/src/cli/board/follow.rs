@@ -28,7 +28,7 @@ const ACCELERATIONS_M_PER_S2: RangeInclusive<f64> = 1e-3..=1e3;
 const LAGS_MM: RangeInclusive<f64> = 1e-3..=100.0;
 
 /// Times, s.
-const TIMES_S: RangeInclusive<f64> = 0.0..=1e6;
+const TIMES_S: RangeInclusive<f64> = 1e-3..=1e6;
 
 /// Arguments of `board follow`.
 #[derive(clap::Args)]
@@ -71,7 +71,7 @@ fn settings(arguments: &Arguments, axis: u8) -> Result<FollowSettings, InputErro
         ("--speed-mm-per-min", speed_mm_per_min, SPEEDS_MM_PER_MIN),
         ("--acceleration-m-per-s2", acceleration_m_per_s2, ACCELERATIONS_M_PER_S2),
         ("--lag-mm", lag_mm, LAGS_MM),
-        ("--time-s", time_s.unwrap_or_default(), TIMES_S),
+        ("--time-s", time_s.unwrap_or(*TIMES_S.end()), TIMES_S),
     ] {
         let expected = format!("a number from {} to {}", range.start(), range.end());
         check_value(option, &expected, range.contains(&value), value)?;

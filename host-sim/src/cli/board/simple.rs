@@ -102,7 +102,7 @@ pub fn stop(arguments: &Arguments) -> Result<()> {
             _ => break,
         }
     }
-    print("The axes are at rest; the rest of the path is discarded.")
+    print("The axes are at rest; no path is left.")
 }
 
 /// The state of the board; `None` if a host at its other port keeps it.
