@@ -152,7 +152,13 @@ impl Known {
         let name = &arguments.axis.axis;
         let machine = compensation.applied_to(&machine);
         upload::settings(&machine, &source)?;
-        let lacks = || InputError::expected(&source, "the axes of the board", "others");
+        let lacks = || {
+            InputError::expected(
+                &source,
+                "the axes of the board, whose machine file --machine names",
+                "others",
+            )
+        };
         let settings = machine.axis.get(name).ok_or_else(lacks)?.settings.clone();
         let declared = Declared::of(&settings).map_err(|key| {
             let expected = "this key, without which the speed of the velocity loop is not known";
