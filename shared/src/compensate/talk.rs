@@ -77,7 +77,7 @@ mod tests {
         worst
     }
 
-    /// The same error by a constant and by a table, halfway between 1 and 3 µm per m/s².
+    /// An error by a constant and by a table, halfway between 1 and 3 µm per m/s².
     #[test]
     fn a_table_has_the_sign_of_a_constant() {
         let values = [1e-6, 3e-6].into_iter().collect();

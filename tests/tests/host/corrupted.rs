@@ -143,7 +143,10 @@ fn validation_logs_that_the_model_does_not_describe_are_reported() {
     let trace = traced(&declared(), [fit, validate]);
     assert_eq!(verdict::of(&trace), Verdict::Unexplained);
     let sentences = sentences::of_axis(&trace.axes()[0], None);
-    assert!(sentences[0].starts_with("x: the model does not describe the logs held out"), "{sentences:?}");
+    assert!(
+        sentences[0].starts_with("x: the model does not describe what was held out of its fit"),
+        "{sentences:?}"
+    );
     assert!(
         sentences.iter().all(|sentence| !sentence.contains("does not describe these logs")),
         "{sentences:?}"

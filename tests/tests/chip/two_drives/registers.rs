@@ -56,7 +56,7 @@ pub struct Long(Chip, usize);
 impl IndexedCounter for Short {
     type Count = u16;
 
-    /// That of the start: a tick reads what was latched.
+    /// The counter at the start of the program: a tick reads what was latched.
     fn count(&self) -> u16 {
         0
     }
@@ -73,7 +73,7 @@ impl IndexedCounter for Short {
 impl IndexedCounter for Long {
     type Count = u32;
 
-    /// That of the start: a tick reads what was latched.
+    /// The counter at the start of the program: a tick reads what was latched.
     fn count(&self) -> u32 {
         0
     }
