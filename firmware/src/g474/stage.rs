@@ -7,6 +7,7 @@ use super::address::tim;
 use super::bus::Bus;
 use super::clock::{CORE_HZ, Device};
 use super::pins;
+use super::tick::UPDATE_AS_TRIGGER;
 use crate::setup;
 
 /// PWM counts of full duty: those of a period.
@@ -16,9 +17,6 @@ const _: () = assert!(FULL_COUNTS as u32 * setup::PWM_HZ == CORE_HZ);
 
 /// Both channels (chapter 28): PWM mode 2, the pulse at the end of the period, buffered.
 const CHANNELS: u32 = 0x7878;
-
-/// Each update is the trigger output to TIM2 (chapter 28: MMS 010). Idle outputs are low.
-const TRIGGER_AT_UPDATE: u32 = 0b010 << 4;
 
 /// Main output (chapter 28).
 const MAIN_OUTPUT: u32 = 1 << 15;
@@ -44,7 +42,8 @@ pub fn start(bus: impl Bus) {
     bus.write(timer(tim::CCR1), full);
     bus.write(timer(tim::CCR1 + 4), full);
     bus.write(timer(tim::CCER), 1 | 1 << 4);
-    bus.write(timer(tim::CR2), TRIGGER_AT_UPDATE);
+    // To TIM2. Idle outputs are low.
+    bus.write(timer(tim::CR2), UPDATE_AS_TRIGGER);
     bus.write(timer(tim::BDTR), BREAK);
     bus.write(timer(tim::EGR), 1);
     bus.write(timer(tim::SR), 0);

@@ -21,8 +21,8 @@ const UPDATE: u32 = 1;
 /// Reset (chapter 29: SMS 100) by TIM1 (TS 000).
 const RESET_MODE: u32 = 0b100;
 
-/// Trigger output (chapter 29: MMS 010).
-const UPDATE_AS_TRIGGER: u32 = 0b010 << 4;
+/// Control 2 of a timer whose updates are its trigger output (chapters 28 and 29: MMS 010).
+pub const UPDATE_AS_TRIGGER: u32 = 0b010 << 4;
 
 /// Channel 1: PWM mode 2 (chapter 29), which rises at the compare value.
 const PWM_MODE_2: u32 = 0b111 << 4;

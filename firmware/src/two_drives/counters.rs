@@ -16,7 +16,7 @@ pub trait IndexedCounter {
     /// The counter now.
     fn count(&self) -> Self::Count;
 
-    /// The counter at the start of the present tick, however late the program is: at 1 m/s, 5 µs are 5 µm.
+    /// The counter when the present tick was due, also if the program begins it late, by less than a period: at 1 m/s, 5 µs are 5 µm.
     fn latched(&self) -> Self::Count;
 
     /// The counter at the last index pulse since the previous call.

@@ -16,6 +16,9 @@ use files::error::InputError;
 use files::output::write_whole;
 use model::machine::Machine;
 
+/// What to do with the log of the motion.
+const WITH_EARLIER_LOGS: &str = "\nTrace its log together with the logs that you have, if their times are of one clock: an effect that makes either of them worse is not stated as certain.";
+
 /// Arguments of `plan`.
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -117,9 +120,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     Ok(())
 }
-
-/// What to do with the log of the motion.
-const WITH_EARLIER_LOGS: &str = "\nTrace its log together with the logs that you have, if their times are of one clock: an effect that makes either of them worse is not stated as certain.";
 
 /// The limits of the command line.
 fn stated(arguments: &Arguments) -> Result<StatedLimits, InputError> {

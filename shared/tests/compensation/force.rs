@@ -177,8 +177,9 @@ fn follows_additional_friction<S: Scalar>(stiffness: Option<f64>, [has_map, is_c
         }
     }
     // At 39 mm/s the excess is 0; the decay over time is linear within an eighth of an octave, 30 N·0.0021; the map is
-    // evaluated with every command: half a tick of 0.125 m/s·500 N/m, 8 mN. The rounding of a force to 61 µN must show.
-    assert!(worst < 0.1 && worst > 61e-6, "{} {stiffness:?}: {worst} N", S::NAME);
+    // evaluated with every command: half a tick of 0.125 m/s·500 N/m, 8 mN, which must show; without one of both, the rounding of a force to 61 µN.
+    let least = if has_map && is_cold { 1e-3 } else { 61e-6 };
+    assert!(worst < 0.1 && worst > least, "{} {stiffness:?}: {worst} N", S::NAME);
 }
 
 fn all<S: Scalar>() {

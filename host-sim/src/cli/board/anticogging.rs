@@ -152,13 +152,7 @@ impl Known {
         let name = &arguments.axis.axis;
         let machine = compensation.applied_to(&machine);
         upload::settings(&machine, &source)?;
-        let lacks = || {
-            InputError::expected(
-                &source,
-                "the axes of the board, whose machine file --machine names",
-                "others",
-            )
-        };
+        let lacks = || upload::of_other_axes(&source);
         let settings = machine.axis.get(name).ok_or_else(lacks)?.settings.clone();
         let declared = Declared::of(&settings).map_err(|key| {
             let expected = "this key, without which the speed of the velocity loop is not known";

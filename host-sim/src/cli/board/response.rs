@@ -170,13 +170,7 @@ impl Declared {
         let margins =
             axis_margins::of_machine(&machine, &Instruments::of(&machine, 0), MarginLimits::default())
                 .map_err(|error| InputError::new(&source, error.to_string()))?;
-        let lacks = || {
-            InputError::expected(
-                &source,
-                "the axes of the board, whose machine file --machine names",
-                "others",
-            )
-        };
+        let lacks = || upload::of_other_axes(&source);
         let (_, keys) = machine.axis.get_index(usize::from(axis)).ok_or_else(lacks)?;
         Ok(Self {
             controller: (&keys.settings).into(),

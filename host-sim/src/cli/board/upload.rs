@@ -74,6 +74,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     print(&[vec![format!("{done}.")], preloads].concat().join("\n"))
 }
 
+/// That a machine file has other axes than the board.
+pub fn of_other_axes(source: &str) -> InputError {
+    InputError::expected(source, "the axes of the board, whose machine file --machine names", "others")
+}
+
 /// The settings of the axes from a machine file.
 ///
 /// # Errors

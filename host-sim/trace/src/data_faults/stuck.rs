@@ -55,7 +55,7 @@ struct Other<'a> {
 }
 
 impl Other<'_> {
-    /// Whether the axis travels far by this channel, another sensor, while the reading is the same for a long time.
+    /// Whether this channel, another sensor, travels far while the reading is the same for a long time.
     fn travels_far(&self, range: &Range<usize>, options: &FaultOptions) -> bool {
         let far = (1e-3 * options.min_held_travel_um).max(self.smallest);
         let stretch = &self.values[range.start - 1..range.end];
@@ -76,8 +76,8 @@ impl Other<'_> {
         (moves && (jump - missed).abs() <= MAX_CATCH_UP_ERROR * missed.abs()).then_some(moved)
     }
 
-    /// Whether the axis stands by this channel, another sensor whose reading is not repeated itself, while it moves by a third one. Where a gap closes, the
-    /// reading that is the same by chance while the table stands is followed by the jump of a table that is hit.
+    /// Whether this channel, another sensor whose reading is not repeated itself, shows that the axis stands while a third one moves. At the end of a
+    /// backlash, the impact accelerates a table that stood: a reading which was the same by chance before it is followed by a jump.
     fn stands(&self, range: &Range<usize>, moved: f64) -> bool {
         let stretch = &self.values[range.start - 1..range.end];
         let [first, .., last] = stretch else { return false };
@@ -246,7 +246,7 @@ mod tests {
     #[test]
     fn a_reading_that_is_the_same_by_chance_while_the_table_stands_is_not_stuck() {
         let at: Vec<f64> = (0..200).map(|i| 2.5e-4 * f64::from(i * i)).collect();
-        // It stands at 2.5 mm until sample 101, and is hit.
+        // It stands at 2.5 mm until the backlash ends after sample 101.
         let noise = |i: usize| 1e-5 * [0.0, 1.0, -2.0, 3.0][i % 4];
         let behind = |i: usize| if i < 102 { at[i].min(2.5) } else { at[i] } + noise(i);
         let standing: Vec<f64> = (0..200).map(behind).collect();

@@ -110,14 +110,15 @@ fn the_friction_of_a_cold_machine_has_its_range() {
     assert_eq!((of(100.1), of(-100.1)), (Some(error), Some(error)));
 }
 
+/// 100 N within 2 µm.
+fn bristles() -> TableFriction {
+    TableFriction { coulomb_n: 100.0, presliding_stiffness_n_per_m: Some(50e6), ..TableFriction::default() }
+}
+
 /// Bristles that are bent, here by half, stay so.
 #[test]
 fn a_start_keeps_the_bristles() {
-    let friction = TableFriction {
-        coulomb_n: 100.0,
-        presliding_stiffness_n_per_m: Some(50e6),
-        ..TableFriction::default()
-    };
+    let friction = bristles();
     let model = force(&ForceModel { friction, ..ForceModel::default() }, 4000.0);
     let mut motion = CommandMotion::<Fixed>::at(position(0.2));
     motion.step(position(0.2 + 25e-6));
@@ -130,11 +131,7 @@ fn a_start_keeps_the_bristles() {
 /// the bristles are bent that way.
 #[test]
 fn a_start_in_motion_is_that_of_a_steady_motion() {
-    let friction = TableFriction {
-        coulomb_n: 100.0,
-        presliding_stiffness_n_per_m: Some(50e6),
-        ..TableFriction::default()
-    };
+    let friction = bristles();
     let model = ForceModel { friction, lag_s: 0.01, ..ForceModel::default() };
     for sign in [1.0, -1.0] {
         let mut motion = CommandMotion::<Fixed>::at(position(0.2));

@@ -64,7 +64,7 @@ fn metres_per_count(axis: usize) -> [f64; 2] {
     [metres_per_count, TABLE[axis].scale_m_per_count.unwrap()]
 }
 
-/// Each counter is the reading of its sensor, as it was at the start of the tick however late the program reads it, and each index latches it: TIM4 on
+/// Each counter is the reading of its sensor, as it was when the tick was due although the program reads it later, and each index latches it: TIM4 on
 /// its fourth channel.
 #[test]
 fn each_counter_is_its_own_sensor() {
