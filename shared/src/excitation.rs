@@ -244,4 +244,14 @@ mod tests {
             assert_eq!(problem(1.0, 256, harmonics), Some(Tones), "{harmonics:?}");
         }
     }
+
+    /// A tone begins at zero, and upwards.
+    #[test]
+    fn a_tone_is_positive_in_its_first_half() {
+        let excitation = Excitation::<f64>::new(&settings(100.0, 8192, &[1])).unwrap();
+        for (tick, sine) in [(0, 0.0), (1024, 0.5f64.sqrt()), (2048, 1.0), (4096, 0.0), (6144, -1.0)] {
+            // The sine is rounded to 2⁻¹⁵ and the product to 2⁻¹⁴ N.
+            assert!((excitation.force(tick) - 100.0 * sine).abs() < 100.0 / f64::from(1 << 14), "{tick}");
+        }
+    }
 }

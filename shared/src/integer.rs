@@ -197,4 +197,27 @@ mod tests {
             }
         }
     }
+
+    /// To the nearest multiple, also of values whose half decides: 0.5 is 1 and −0.5 is 0.
+    #[test]
+    fn a_scaled_product_is_rounded_to_nearest() {
+        for (a, b, rounded) in
+            [(3, 5, 2), (1, 4, 1), (1, 3, 0), (-1, 4, 0), (-1, 5, -1), (-3, 5, -2), (7, 7, 6)]
+        {
+            assert_eq!(mul_shift::<3>(a, b), rounded, "{a}·{b}/8");
+        }
+    }
+
+    /// The values next to those that saturate, and beyond them.
+    #[test]
+    fn a_shifted_number_saturates() {
+        for shift in 0..32 {
+            let exact = |value: i64| (value >> shift).clamp(i64::from(i32::MIN), i64::from(i32::MAX));
+            let ends = [i64::from(i32::MIN) << shift, (i64::from(i32::MAX) + 1) << shift, i64::MIN, i64::MAX];
+            for value in ends.into_iter().flat_map(|end| [end, end.saturating_sub(1), end.saturating_add(1)])
+            {
+                assert_eq!(i64::from(shifted_signed(value, shift)), exact(value), "{value} {shift}");
+            }
+        }
+    }
 }

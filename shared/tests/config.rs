@@ -1,9 +1,13 @@
 //! The constants of an axis are those of its settings by their definitions, and each range ends where it is declared.
 
+use core::f64::consts::TAU;
+
 use shared::config::{
     AxisConfig, AxisSettings, ConfigError, LowPass, Notch, Notches, Rates, ScaleLimits, Sensors,
     VelocitySource,
 };
+use shared::control::filter::State as FilterState;
+use shared::feedback::dual::Feedback;
 use shared::scalar::{Fixed, Scalar};
 use shared::units::{PER_M, Position};
 
@@ -62,14 +66,61 @@ fn constants_are_those_of_the_settings() {
     near(axis.stop_deceleration as f64, (3.0 / 25e6 * PER_M * 65_536.0).floor());
 }
 
+/// The gain of a low-pass of the second order at its frequency is 1/(2D), whatever the rate: 0.5 with a damping ratio D of 1, 1 with 0.5.
+#[test]
+fn the_damping_of_a_low_pass_is_its_gain_at_its_frequency() {
+    for damping_ratio in [0.5, 1.0, 2.5] {
+        let low_pass = Some(LowPass { frequency_hz: 500.0, damping_ratio });
+        let filter =
+            AxisConfig::<f64>::new(&AxisSettings { low_pass, ..SETTINGS() }, RATES).unwrap().low_pass;
+        let (filter, mut state) = (filter.unwrap(), FilterState::AT_REST);
+        // 500 Hz at 20 kHz: 40 ticks a period. The last of 50 periods, against its sine and cosine.
+        let (mut real, mut imaginary) = (0.0, 0.0);
+        for tick in 0..2000 {
+            let angle = TAU * f64::from(tick) / 40.0;
+            let output = filter.step(&mut state, angle.sin());
+            if tick >= 1960 {
+                (real, imaginary) =
+                    (real + output * angle.sin() / 20.0, imaginary + output * angle.cos() / 20.0);
+            }
+        }
+        let gain = real.hypot(imaginary);
+        // The slowest pole of the three, 500 Hz times 0.21, has decayed by e^(−2π·105·0.1) = 2e-29.
+        assert!((gain - 0.5 / damping_ratio).abs() < 1e-9, "{damping_ratio}: {gain}");
+    }
+}
+
+/// Without a lead there is no second term: the tick computes it only where there is one.
+#[test]
+fn feedforward_that_is_not_ahead_has_one_term() {
+    let settings = AxisSettings { feedforward_ahead_s: 0.0, ..SETTINGS() };
+    let feedforward = AxisConfig::<f64>::new(&settings, RATES).unwrap().feedforward;
+    assert!(feedforward.previous.is_none());
+    near(feedforward.present, 1.5625);
+}
+
+/// What a scale is off by at the change to it fades by 1 − 1/e in its time, 0.8 s: 4000 position ticks.
+#[test]
+fn the_fade_time_of_a_scale_is_in_position_ticks() {
+    let limits = ScaleLimits::DEFAULT;
+    for sensors in [Sensors::Table(limits), Sensors::Dual { time_constant_s: 0.01, limits }] {
+        let settings = AxisSettings { sensors, scale_fade_time_s: 0.8, ..SETTINGS() };
+        let feedback = AxisConfig::<f64>::new(&settings, RATES).unwrap().feedback;
+        let (Feedback::Table { fade } | Feedback::Dual { fade, .. }) = feedback else {
+            panic!("{feedback:?}")
+        };
+        let left = (0..4000).fold(1i64 << 40, |distance, _| fade.step(distance)) as f64;
+        let exact = (-1.0f64).exp() * f64::from(1 << 30) * 1024.0;
+        assert!((left / exact - 1.0).abs() < 1e-5, "{left}, {exact}");
+    }
+}
+
 /// 1/4000 of a distance that is left after a time constant of 0.8 s; a gain of 1 − e^(−1/(5000·0.01)) of the crossover.
 #[test]
 fn the_time_constant_of_dual_feedback_is_in_position_ticks() {
     let sensors = Sensors::Dual { time_constant_s: 0.01, limits: ScaleLimits::DEFAULT };
     let axis = AxisConfig::<f64>::new(&AxisSettings { sensors, ..SETTINGS() }, RATES).unwrap();
-    let shared::feedback::dual::Feedback::Dual { fraction, .. } = axis.feedback else {
-        panic!("{:?}", axis.feedback)
-    };
+    let Feedback::Dual { fraction, .. } = axis.feedback else { panic!("{:?}", axis.feedback) };
     near(fraction, 1.0 - (-1.0f64 / 50.0).exp());
 }
 

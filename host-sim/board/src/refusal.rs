@@ -1,5 +1,6 @@
 //! Refusals, faults and events in words, each with what helps.
 
+use shared::drive::NotArmed;
 use shared::drive::direction_check::DirectionResult;
 use shared::excitation::ExcitationProblem;
 use shared::interpolate::PathError;
@@ -48,10 +49,12 @@ pub fn text(refusal: &Refusal) -> String {
             60e3 * limit_m_per_s
         ),
         Refusal::NoSuchAxis => "it has no such axis".into(),
+        Refusal::Axes { board: 1 } => "it has 1 axis".into(),
         Refusal::Axes { board } => format!("it has {board} axes"),
-        Refusal::NotArmed => {
+        Refusal::NotArmed(NotArmed::Switch) => {
             "the enable switch is open, or was closed before the last stop: open it, then close it".into()
         }
+        Refusal::NotArmed(NotArmed::EmergencyStop) => "the emergency stop is pressed".into(),
         Refusal::Faulted(fault) => format!("{}; `board clear` acknowledges it", self::fault(*fault)),
         Refusal::DrivesOff => "the drives are off; `board enable` switches them on".into(),
         Refusal::DrivesOn => "the drives are on; `board disable` switches them off".into(),

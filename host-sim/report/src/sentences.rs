@@ -51,15 +51,15 @@ pub fn table(axis: &AxisIdentification, table: &Empirical) -> String {
     )
 }
 
-/// Two effects that the logs cannot distinguish, and the motion that would distinguish them.
+/// Two effects that the logs cannot distinguish, and the motion that may distinguish them.
 #[must_use]
 pub fn ambiguity(axis: &AxisIdentification, alike: &Ambiguity, proposal: Option<&Proposal>) -> String {
     let how = proposal.map_or_else(
         || "a log of a different motion is needed to distinguish them".to_owned(),
         |proposal| {
             format!(
-                "{} would distinguish them: there they differ by {} times the noise (--propose writes the motion \
-                 file)",
+                "{} may distinguish them: there they differ by {} times the noise (--propose writes the motion file, \
+                 and `plan` tries motions first)",
                 proposal.name,
                 significant(proposal.difference, 2)
             )

@@ -72,3 +72,28 @@ pub(crate) fn gain_over_time<S: Scalar>(
         other => other,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scalar::Fixed;
+
+    /// A gain of fixed point is below 128 in units of the loop: 64 in an SI unit that is two of them.
+    #[test]
+    fn a_gain_ends_below_its_limit() {
+        let error = ConfigError::OutOfRange { name: "k", min: 0.0, max: 64.0 };
+        assert_eq!(gain::<Fixed>("k", 64.0, 2.0), Err(error));
+        assert_eq!(gain::<Fixed>("k", 63.99, 2.0), Ok(Fixed::gain(127.98)));
+    }
+
+    /// Half a step of 50 is 1 %.
+    #[test]
+    fn a_resolved_gain_has_the_range_of_its_unit() {
+        let min = 50.0 * Fixed::GAIN_STEP / 2.0;
+        let error = ConfigError::OutOfRange { name: "k", min, max: 64.0 };
+        for value in [0.0, 0.99 * min, 64.0, 1e9] {
+            assert_eq!(resolved_gain::<Fixed>("k", value, 2.0), Err(error), "{value}");
+        }
+        assert_eq!(resolved_gain::<Fixed>("k", min, 2.0), Ok(Fixed::gain(2.0 * min)));
+    }
+}

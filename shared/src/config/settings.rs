@@ -311,3 +311,22 @@ impl Default for AxisSettings {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An observer is the difference behind two stages of (1 − r)/(1 − r/z): of a unit of velocity, (n + 1)·(1 − r)²·rⁿ appears n ticks later,
+    /// and the mean age is the sum of n times these.
+    #[test]
+    fn the_age_of_an_observer_is_the_mean_of_its_response() {
+        assert!(VelocitySource::Difference.age_ticks(20_000.0).abs() < 1e-12);
+        for bandwidth_hz in [100.0, 1000.0, 5000.0] {
+            let r = (-core::f64::consts::TAU * bandwidth_hz / 20_000.0).exp();
+            let mean: f64 =
+                (0..4000).map(|n| f64::from(n) * f64::from(n + 1) * (1.0 - r).powi(2) * r.powi(n)).sum();
+            let age = VelocitySource::Observer { bandwidth_hz }.age_ticks(20_000.0);
+            assert!((age - mean).abs() < 1e-9 * mean, "{bandwidth_hz} Hz: {age}, {mean}");
+        }
+    }
+}

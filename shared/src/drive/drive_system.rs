@@ -124,20 +124,23 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
     /// Enables the drives at the next tick, for a host. No effect until a fault is acknowledged.
     ///
     /// # Errors
-    /// [`NotArmed`] if the switch does not permit it: it is open, has not been opened and closed since the start or since a
-    /// stop by hardware, or enables the drives by itself.
+    /// As [`DriveSystem::armed`].
     pub fn enable_by_host(&mut self) -> Result<(), NotArmed> {
-        if !self.is_armed() {
-            return Err(NotArmed);
-        }
+        self.armed()?;
         self.machine.enable();
         Ok(())
     }
 
-    /// Whether the switch permits that a host enables the drives.
-    #[must_use]
-    pub const fn is_armed(&self) -> bool {
-        matches!(self.enabling, Enabling::ByHost { armed: true })
+    /// Whether a host may enable the drives.
+    ///
+    /// # Errors
+    /// [`NotArmed`]: what does not permit it.
+    pub const fn armed(&self) -> Result<(), NotArmed> {
+        match self.enabling {
+            _ if self.inputs.emergency_stop => Err(NotArmed::EmergencyStop),
+            Enabling::ByHost { armed: true } => Ok(()),
+            Enabling::ByHost { armed: false } | Enabling::BySwitch => Err(NotArmed::Switch),
+        }
     }
 
     /// Whether the last tick has enabled the power stages: they remain so until the next one, also if the drives have been disabled

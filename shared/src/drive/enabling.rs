@@ -1,5 +1,7 @@
 //! What switches the drives on.
 
+use serde::{Deserialize, Serialize};
+
 /// What switches the drives on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Enabling {
@@ -13,6 +15,12 @@ pub(super) enum Enabling {
     },
 }
 
-/// A host has asked for an enable that the enable switch does not permit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NotArmed;
+/// Why a host may not enable the drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum NotArmed {
+    /// The enable switch is open, has not been opened and closed since the start or since a stop by hardware, or enables the drives by
+    /// itself.
+    Switch,
+    /// The emergency stop is pressed.
+    EmergencyStop,
+}

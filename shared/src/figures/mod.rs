@@ -99,6 +99,7 @@ mod tests {
     fn what_is_out_of_range_has_a_figure() {
         let all = |figures: &[f32], value: f32| figures.iter().all(|figure| (figure - value).abs() < 1e-9);
         assert!(all(&[square_root(0.0), square_root(-1.0), square_root(f32::NAN)], 0.0));
+        assert_eq!(square_root(0.0).to_bits(), 0);
         assert!(all(&[logarithm(0.0), logarithm(-1.0), logarithm(f32::NAN), logarithm(1.0)], 0.0));
         assert!(all(&[level_db(0.0), level_db(1e-6), level_db(f32::NAN)], LEAST_LEVEL_DB));
         assert!(all(&[phase_deg(0.0, 0.0), phase_deg(0.0, 1.0), rms(0, 0), rms(0, 5)], 0.0));

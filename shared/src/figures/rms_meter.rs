@@ -103,6 +103,21 @@ mod tests {
         }
     }
 
+    /// A window that was begun before the drives went off is not continued.
+    #[test]
+    fn drives_that_were_off_begin_a_new_window() {
+        let mut meter = RmsMeter::<1>::new(4);
+        meter.add(&[[1000, 6400]]);
+        meter.clear();
+        for _ in 0..3 {
+            meter.add(&[[3, 64]]);
+            assert_eq!(meter.axis(0), None);
+        }
+        meter.add(&[[3, 64]]);
+        let AxisRms { error_nm, force_n } = meter.axis(0).unwrap();
+        assert!((error_nm - 3.0).abs() < 1e-4 && (force_n - 1.0).abs() < 1e-5);
+    }
+
     /// The longest window of the largest values does not overflow, and drives that are off leave nothing behind.
     #[test]
     fn the_sums_hold_the_longest_window() {

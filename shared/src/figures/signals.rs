@@ -77,6 +77,8 @@ mod tests {
         let none = figures(0, 0);
         assert!(none.amplitude_counts.abs() < 1e-9 && none.phase_deg.abs() < 1e-9);
         assert!((none.level_db - super::super::LEAST_LEVEL_DB).abs() < 1e-9);
+        let no_sensor = EncoderSignals { sine: 0, cosine: 0, limits: [0, 0] }.figures();
+        assert!(no_sensor.health_percent.abs() < 1e-9 && no_sensor.level_db.abs() < 1e-9);
         let odd = EncoderSignals { sine: i32::MIN, cosine: i32::MAX, limits: [0, 0] }.figures();
         assert!(
             odd.amplitude_counts.is_finite() && odd.level_db.abs() < 1e-9 && odd.health_percent.abs() < 1e-9

@@ -213,7 +213,7 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
             return Err(Refusal::Faulted(fault));
         }
         match power {
-            Power::Off => self.system.enable_by_host().map_err(|_| Refusal::NotArmed),
+            Power::Off => self.system.enable_by_host().map_err(Refusal::NotArmed),
             Power::On | Power::Enabling => Ok(()),
             _ => Err(Refusal::BrakesMove),
         }

@@ -15,7 +15,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::{Deserialize, Serialize};
 
 /// Version of the packets and messages.
-pub const VERSION: u8 = 16;
+pub const VERSION: u8 = 17;
 
 /// Greatest number of axes of a board. How many a board has is a constant of its program; its messages carry the number.
 pub const MAX_AXES: usize = 4;

@@ -6,6 +6,7 @@ use super::board_settings::NotSettings;
 use super::halt::Halt;
 use super::report::HomingFailure;
 use crate::config::ConfigError;
+use crate::drive::NotArmed;
 use crate::drive::direction_check::DirectionCheckError;
 use crate::excitation::ExcitationProblem;
 use crate::interpolate::PathError;
@@ -73,8 +74,8 @@ pub enum Refusal {
         /// Number of axes of the board.
         board: u8,
     },
-    /// The enable switch does not permit an enable: it is open, or has to be opened and closed again.
-    NotArmed,
+    /// A host may not enable the drives.
+    NotArmed(NotArmed),
     /// A fault has to be acknowledged first.
     Faulted(Fault),
     /// The drives are off.

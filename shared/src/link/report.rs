@@ -10,7 +10,7 @@ use super::steps::ListedSteps;
 use crate::capture::{CaptureState, ChannelSteps};
 use crate::config::Rates;
 use crate::drive::direction_check::DirectionResult;
-use crate::drive::{Supply, TickCounts};
+use crate::drive::{NotArmed, Supply, TickCounts};
 use crate::figures::{AxisRms, SignalFigures};
 use crate::homing::{HomingError, HomingSettings};
 use crate::interpolate::PathError;
@@ -274,8 +274,8 @@ pub struct Status {
     pub power: Power,
     /// The first warning since the drives were enabled.
     pub warning: Option<Fault>,
-    /// Whether the enable switch permits an enable.
-    pub armed: bool,
+    /// What does not permit that a host enables the drives, also while they are on.
+    pub not_armed: Option<NotArmed>,
     /// What the axes do.
     pub activity: Activity,
     /// What the feed hold does.

@@ -69,3 +69,25 @@ impl<const N: usize> References<N> {
         !off && !self.is_held(axis, kind)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compensate::CompensationSettings;
+
+    /// The squareness of axis 2 depends on the position of axis 1 alone.
+    #[test]
+    fn a_compensation_waits_for_the_axis_that_it_depends_on() {
+        let settings =
+            CompensationSettings { squareness: Some((1, 1e-5)), ..CompensationSettings::default() };
+        let mut references = References::<3>::NEW;
+        references.set_dependence(2, Dependence::of(2, &settings));
+        for (axis, is_held) in [(0, false), (1, true), (2, false)] {
+            references.set(axis, Reference::Relative);
+            assert_eq!(references.is_held(2, CompensationKind::Squareness), is_held, "{axis}");
+            assert_eq!(references.is_applied(2, CompensationKind::Squareness), !is_held, "{axis}");
+            assert!(!references.is_held(1, CompensationKind::Squareness));
+            references.set(axis, Reference::Homed);
+        }
+    }
+}

@@ -38,3 +38,33 @@ impl core::fmt::Display for ProbeError {
 }
 
 impl core::error::Error for ProbeError {}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::string::ToString;
+
+    use super::*;
+
+    #[test]
+    fn each_error_has_its_own_words() {
+        let errors = [
+            ProbeError::Setting,
+            ProbeError::NotReady,
+            ProbeError::Active,
+            ProbeError::NotTouched,
+            ProbeError::Stopped,
+            ProbeError::DrivesOff,
+        ];
+        let mut words: std::vec::Vec<_> = errors.iter().map(ToString::to_string).collect();
+        words.sort();
+        words.dedup();
+        assert!(words.len() == errors.len() && words.iter().all(|words| words.len() > 20), "{words:?}");
+        let path = ProbeError::Path(PathError::NotHomed { axis: 1 }).to_string();
+        assert!(
+            path.starts_with("a motion of the probing")
+                && path.ends_with(&PathError::NotHomed { axis: 1 }.to_string())
+        );
+    }
+}

@@ -235,9 +235,16 @@ impl Scalar for Fixed {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
     use proptest::prelude::*;
 
     use super::*;
+
+    #[test]
+    fn a_signal_is_printed_as_its_number() {
+        assert_eq!(std::format!("{:?}", Fixed::signal(-2.5)), "-2.5");
+    }
 
     proptest! {
         /// Linear interpolation is exact but for the rounding of half a difference and of a product, each towards −∞, and exact
@@ -275,6 +282,15 @@ mod tests {
             let clamped = exact.clamp(-(1 << 31), (1 << 31) - 1);
             let tolerance = if exact == clamped { 0 } else { 1023 };
             prop_assert!((i64::from(gain) - clamped).abs() <= tolerance, "{gain}");
+        }
+
+        /// A number that is a limit, or its negative, does not exceed it.
+        #[test]
+        fn a_magnitude_exceeds_a_limit_or_not(bits: i32, limit in 0..i32::MAX) {
+            for bits in [bits, limit, -limit, limit + 1, -limit - 1] {
+                let exceeds = Fixed::from_bits(bits).exceeds(Fixed::from_bits(limit));
+                prop_assert_eq!(exceeds, bits.unsigned_abs() > limit.unsigned_abs(), "{} {}", bits, limit);
+            }
         }
 
         /// Within the range of 32 bits the number is exact; beyond it, within 255 steps of the end: over the whole range, and

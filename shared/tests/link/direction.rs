@@ -1,5 +1,6 @@
 //! The direction check over the link: it needs the enable switch, and leaves the drives off.
 
+use shared::drive::NotArmed;
 use shared::drive::direction_check::{DirectionCheckSettings, DirectionResult};
 use shared::link::Refusal;
 use shared::link::message::{Reply, Request};
@@ -35,8 +36,8 @@ fn the_axis_is_pushed_when_the_switch_closes() {
     assert_eq!(status.direction, DirectionReport::Ended { axis: 0, result: DirectionResult::Ok });
     let [x_m, y_m] = rig.plant.position_m;
     assert!((1.9e-4..2.2e-4).contains(&x_m) && y_m.abs() < 1e-12, "{x_m} {y_m}");
-    assert_eq!((status.power, status.armed), (Power::Off, false));
-    assert_eq!(rig.refusal(&Request::Enable), Refusal::NotArmed);
+    assert_eq!((status.power, status.not_armed), (Power::Off, Some(NotArmed::Switch)));
+    assert_eq!(rig.refusal(&Request::Enable), Refusal::NotArmed(NotArmed::Switch));
     rig.close_switch();
     assert_eq!(rig.request(&Request::Enable), Reply::Done);
 }

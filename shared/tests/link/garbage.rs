@@ -97,7 +97,7 @@ fn garbage_is_never_accepted_and_nothing_moves() {
     }
     assert!(too_long > 100 && version == 0, "{too_long} {version}");
     let status = rig.status();
-    assert_eq!((status.power, status.armed, status.at_rest), (Power::Off, true, true));
+    assert_eq!((status.power, status.not_armed, status.at_rest), (Power::Off, None, true));
     assert_eq!(rig.plant.position_m.map(f64::to_bits), [0; 2]);
     // The link works.
     assert_eq!(rig.request(&Request::Enable), Reply::Done);

@@ -105,6 +105,7 @@ pub struct TestPlant {
     pub enabled: bool,
     pub switch_closed: bool,
     pub stopped: bool,
+    pub emergency_stop: bool,
     pub scale_lost: bool,
     /// Where x is stopped in the negative direction, m, and how fast it can move further there, m/s.
     pub stop: Option<(f64, f64)>,
@@ -186,6 +187,7 @@ impl Board<2, DriveSignal> for TestPlant {
         Inputs {
             axes: [AxisInputs { home, ..x }, AxisInputs { home: y_home, ..y }],
             probe_touched,
+            emergency_stop: self.emergency_stop,
             ..Inputs::NONE
         }
     }

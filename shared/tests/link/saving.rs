@@ -3,6 +3,7 @@
 use embedded_storage::nor_flash::NorFlash;
 use shared::compensate::CompensationSettings;
 use shared::compensate::settings::{Cycle, Pitch, PitchSource, Points};
+use shared::drive::NotArmed;
 use shared::drive::direction_check::DirectionCheckSettings;
 use shared::feedback::OriginShift;
 use shared::link::Refusal;
@@ -114,7 +115,10 @@ fn after_a_restart_a_motion_with_the_saved_settings_is_the_same_to_the_bit() {
     let before = trace_of_a_jog(&mut first);
     let mut restarted = Rig::with_flash(flash);
     assert_eq!(report(&mut restarted), from_record(1));
-    assert_eq!((restarted.status().power, restarted.status().armed), (Power::Off, false));
+    assert_eq!(
+        (restarted.status().power, restarted.status().not_armed),
+        (Power::Off, Some(NotArmed::Switch))
+    );
     assert_eq!(difference(&trace_of_a_jog(&mut restarted), &before), None);
     // The travel of the record.
     assert!(matches!(restarted.refusal(&jog_by(0.02)), Refusal::Path { .. }));

@@ -1,5 +1,6 @@
 //! A host that is silent, and the enable switch.
 
+use shared::drive::NotArmed;
 use shared::interpolate::feed_hold::FeedState;
 use shared::link::Refusal;
 use shared::link::history::HistoryEvent;
@@ -133,17 +134,32 @@ fn a_jog_at_a_speed_ends_without_a_renewal() {
 #[test]
 fn the_switch_has_to_permit_an_enable_and_switches_off_at_once() {
     let mut rig = Rig::new();
-    assert_eq!(rig.refusal(&Request::Enable), Refusal::NotArmed);
+    assert_eq!(rig.refusal(&Request::Enable), Refusal::NotArmed(NotArmed::Switch));
     // Closed since the start, without an edge.
     rig.close_switch();
-    assert!(rig.status().armed && !rig.plant.enabled);
+    assert!(rig.status().not_armed.is_none() && !rig.plant.enabled);
     assert_eq!(rig.request(&Request::Enable), Reply::Done);
     rig.run(1);
     assert!(rig.plant.enabled);
     rig.plant.switch_closed = false;
     rig.run(1);
     assert!(!rig.plant.enabled);
-    assert_eq!(rig.refusal(&Request::Enable), Refusal::NotArmed);
+    assert_eq!(rig.refusal(&Request::Enable), Refusal::NotArmed(NotArmed::Switch));
+}
+
+/// A pressed emergency stop is named also while the drives are off, and its release is no closed switch.
+#[test]
+fn a_pressed_emergency_stop_is_named_instead_of_the_switch() {
+    let mut rig = Rig::new();
+    rig.close_switch();
+    rig.plant.emergency_stop = true;
+    rig.run(1);
+    assert_eq!((rig.status().power, rig.status().not_armed), (Power::Off, Some(NotArmed::EmergencyStop)));
+    assert_eq!(rig.refusal(&Request::Enable), Refusal::NotArmed(NotArmed::EmergencyStop));
+    rig.plant.emergency_stop = false;
+    rig.run(1);
+    assert_eq!((rig.status().power, rig.status().not_armed), (Power::Off, Some(NotArmed::Switch)));
+    assert_eq!(rig.refusal(&Request::Enable), Refusal::NotArmed(NotArmed::Switch));
 }
 
 /// After a stop by hardware the host cannot enable until the switch has been operated.
@@ -156,7 +172,7 @@ fn a_stop_by_hardware_needs_the_switch() {
     rig.plant.stopped = false;
     assert_eq!(rig.refusal(&Request::Enable), Refusal::Faulted(Fault::HardwareStop));
     assert_eq!(rig.request(&Request::Clear), Reply::Done);
-    assert_eq!(rig.refusal(&Request::Enable), Refusal::NotArmed);
+    assert_eq!(rig.refusal(&Request::Enable), Refusal::NotArmed(NotArmed::Switch));
     rig.close_switch();
     assert_eq!(rig.request(&Request::Enable), Reply::Done);
 }

@@ -3,7 +3,7 @@
 use super::{ENGAGE, FREE, HELD, OFF, Outputs, RELEASE, Rig, WEIGHT_N, braked, loops};
 use shared::config::{AxisSettings, Brake};
 use shared::interpolate::Block;
-use shared::safety::{Fault, Power};
+use shared::safety::{Fault, FaultKind, Power, Reaction};
 use shared::units::Position;
 
 /// `count` times the same outputs.
@@ -47,6 +47,24 @@ fn the_stage_holds_the_axis_until_the_brakes_have_closed() {
     }
     assert_eq!((rig.tick(), rig.power()), (OFF, Power::Off));
     assert!(force_n(&rig) < 1e-9);
+}
+
+/// A warning ends when the brakes have closed: not when they begin to, and not when they have opened.
+#[test]
+fn a_warning_is_kept_until_the_drives_are_off() {
+    let mut kinds = FaultKind::ALL.into_iter().map(|kind| Fault::Axis { axis: 0, kind });
+    let warning = kinds.find(|fault| fault.reaction() == Reaction::Warn);
+    assert!(warning.is_some());
+    let mut rig = Rig::new([braked()]);
+    rig.ticks(5);
+    rig.machine().fault(warning.unwrap());
+    rig.ticks(2 * RELEASE);
+    assert_eq!((rig.power(), rig.machine().warning()), (Power::On, warning));
+    rig.machine().disable_in_order();
+    rig.ticks(ENGAGE);
+    assert_eq!((rig.power(), rig.machine().warning()), (Power::Disabling(None), warning));
+    rig.tick();
+    assert_eq!((rig.power(), rig.machine().warning()), (Power::Off, None));
 }
 
 /// A motion decelerates first: with v²/(2a) = 50²/(2·2000) mm = 0.625 mm. The brakes close when it stands, and not while it moves. No

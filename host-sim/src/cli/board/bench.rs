@@ -89,13 +89,19 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Bench::start_four()?;
         return print("The emulated board runs with four axes.");
     };
-    if byte != END || Bench::is_running() {
+    let was_running = Bench::is_running();
+    if byte != END || was_running {
         Bench::start()?.operate(byte)?;
     }
-    if matches!(arguments.action, Action::EraseFlash) {
+    let erases = matches!(arguments.action, Action::EraseFlash);
+    if erases {
         Bench::erase_flash()?;
     }
-    print(done)
+    print(match (byte, was_running, erases) {
+        (END, false, false) => "No emulator was running.",
+        (END, false, true) => "No emulator was running; its flash is erased.",
+        _ => done,
+    })
 }
 
 /// The byte for a machine that runs, and what it has done; `None` for the start of one.

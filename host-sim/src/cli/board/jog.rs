@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
+use clap::ArgGroup;
 
 use super::port::{AxisArguments, check_value};
 use super::simple;
@@ -28,14 +29,15 @@ const ACCELERATIONS_M_PER_S2: RangeInclusive<f64> = 1e-6..=1e3;
 
 /// Arguments of `board jog`.
 #[derive(clap::Args)]
+#[command(group = ArgGroup::new("extent").required(true))]
 pub struct Arguments {
     #[command(flatten)]
     axis: AxisArguments,
     /// Signed distance.
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, conflicts_with = "for_s")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, group = "extent")]
     by_mm: Option<f64>,
     /// Time for a jog at a speed. It ends by itself if this program ends.
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, required_unless_present = "by_mm")]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, group = "extent")]
     for_s: Option<f64>,
     /// Speed; signed for a jog at a speed, positive for one by a distance.
     #[arg(long, value_name = "MM_PER_MIN", allow_negative_numbers = true, default_value_t = 300.0)]

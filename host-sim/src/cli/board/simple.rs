@@ -43,7 +43,12 @@ pub fn enable(arguments: &Arguments) -> Result<()> {
 pub fn disable(arguments: &Arguments) -> Result<()> {
     let mut observer = arguments.port.observe()?;
     observer.halt(Halt::Disable)?;
-    while let Some(status) = seen(&mut observer)? {
+    loop {
+        let Some(status) = seen(&mut observer)? else {
+            return print(
+                "The drives go off, as soon as brakes have closed; their host is at the other port of the board.",
+            );
+        };
         match status.power {
             Power::Disabling(None) => sleep(POLL),
             Power::Disabling(Some(_)) | Power::Faulted(_) => return Err(stopped(&status).into()),

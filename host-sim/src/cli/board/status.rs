@@ -5,7 +5,7 @@ use anyhow::Result;
 use super::port::PortArguments;
 use crate::cli::outputs::print;
 use ::board::refusal::{self, AXIS_NAMES};
-use shared::drive::TickCounts;
+use shared::drive::{NotArmed, TickCounts};
 use shared::figures::SignalFigures;
 use shared::interpolate::feed_hold::FeedState;
 use shared::link::feed_override::FeedOverride;
@@ -168,8 +168,16 @@ const fn usb(state: UsbState) -> Option<&'static str> {
 /// The power state in words.
 pub fn power(status: &Status) -> String {
     match status.power {
-        Power::Off if status.armed => "off; the enable switch permits an enable".to_owned(),
-        Power::Off => "off; the enable switch has to be closed (if it is: opened and closed)".to_owned(),
+        Power::Off => match status.not_armed {
+            None => "off; the enable switch permits an enable".to_owned(),
+            Some(NotArmed::Switch) => {
+                "off; the enable switch has to be closed (if it is: opened and closed)".to_owned()
+            }
+            Some(NotArmed::EmergencyStop) => {
+                "off; the emergency stop is pressed: release it, then open and close the enable switch"
+                    .to_owned()
+            }
+        },
         Power::On => "on".to_owned(),
         Power::Enabling => "on; the axes are held until their brakes are open".to_owned(),
         Power::Disabling(None) => "on; the axes are held until their brakes are closed".to_owned(),

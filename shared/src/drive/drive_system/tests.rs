@@ -111,27 +111,27 @@ fn a_host_enables_only_while_the_switch_permits_it() {
     // Off by the previous way of enabling: the switch is closed without a new edge.
     system.machine_mut().disable();
     run(&mut system, &mut board, 2 * SETTLING);
-    assert!(!board.enabled && !system.is_armed());
-    assert_eq!(system.enable_by_host(), Err(NotArmed));
+    assert!(!board.enabled && system.armed().is_err());
+    assert_eq!(system.enable_by_host(), Err(NotArmed::Switch));
     close(&mut system, &mut board);
-    assert!(!board.enabled && system.is_armed(), "the switch alone enables");
+    assert!(!board.enabled && system.armed().is_ok(), "the switch alone enables");
     assert_eq!(system.enable_by_host(), Ok(()));
     run(&mut system, &mut board, 1);
     assert!(board.enabled);
     board.closed = false;
     run(&mut system, &mut board, 1);
-    assert_eq!((board.enabled, system.enable_by_host()), (false, Err(NotArmed)));
+    assert_eq!((board.enabled, system.enable_by_host()), (false, Err(NotArmed::Switch)));
     close(&mut system, &mut board);
     system.enable_by_host().unwrap();
     run(&mut system, &mut board, 1);
     board.stopped = true;
     run(&mut system, &mut board, 1);
-    assert_eq!((board.enabled, system.enable_by_host()), (false, Err(NotArmed)));
+    assert_eq!((board.enabled, system.enable_by_host()), (false, Err(NotArmed::Switch)));
     // The stop is released and the fault acknowledged, but the switch has not been operated.
     board.stopped = false;
     system.machine_mut().disable();
     run(&mut system, &mut board, 3 * SETTLING);
-    assert_eq!((board.enabled, system.enable_by_host()), (false, Err(NotArmed)));
+    assert_eq!((board.enabled, system.enable_by_host()), (false, Err(NotArmed::Switch)));
 }
 
 #[test]

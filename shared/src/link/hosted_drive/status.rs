@@ -19,7 +19,7 @@ impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
             tick: self.tick,
             power: machine.power(),
             warning: machine.warning(),
-            armed: self.system.is_armed(),
+            not_armed: self.system.armed().err(),
             activity: self.activity,
             feed: machine.feed_state(),
             feed_override: self.feed_override(),

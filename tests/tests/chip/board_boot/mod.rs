@@ -14,6 +14,7 @@ mod wiring;
 use firmware::f405::IDENTITY;
 use firmware::setup::RATES;
 use shared::config::Brake;
+use shared::drive::NotArmed;
 use shared::link::report::UsbState;
 use shared::link::{Refusal, Reply, Request};
 use shared::safety::{Fault, Power};
@@ -77,7 +78,7 @@ fn enabled_with(slot: &[u8]) -> (Chip, Host) {
     // Before the switch has settled, an enable is refused.
     host.send(&Request::Enable);
     assert_eq!(chip.run(CLOSED as usize + 40), Ok(End::Ticked), "{}", chip.diagnostics());
-    assert_eq!(host.reply(), Some(Reply::Refused(Refusal::NotArmed)));
+    assert_eq!(host.reply(), Some(Reply::Refused(Refusal::NotArmed(NotArmed::Switch))));
     assert_eq!(chip.run(ARMED as usize + 20), Ok(End::Ticked), "{}", chip.diagnostics());
     assert_eq!(power_stages(&chip.log.accesses()), [false, false]);
     host.send(&Request::Enable);

@@ -19,6 +19,21 @@ fn a_host_cannot_enable_without_the_switch() {
     assert!(status.contains("drives: off; the enable switch has to be closed"), "{status}");
 }
 
+/// With the drives off a pressed emergency stop is no fault, but neither status nor a refusal asks for the switch alone. The end of a bench
+/// that does not run is told.
+#[test]
+fn a_pressed_emergency_stop_is_named_with_the_drives_off() {
+    let Some(board) = EmulatedBoard::armed() else { return };
+    board.succeeds("board bench press-stop");
+    board.status_with(&["drives: off; the emergency stop is pressed: release it, then open and close"]);
+    let refused = board.fails(1, "board enable --port bench");
+    assert!(refused.ends_with("the board refuses it: the emergency stop is pressed"), "{refused}");
+    board.succeeds("board bench release-stop");
+    board.status_with(&["drives: off; the enable switch has to be closed"]);
+    assert_eq!(board.succeeds("board bench end"), "The emulator has ended.\n");
+    assert_eq!(board.succeeds("board bench end"), "No emulator was running.\n");
+}
+
 /// With a frozen encoder the motor runs away from its reading, and the scale shows it; the fault is named, has to be acknowledged, and is in the history.
 #[test]
 fn a_fault_is_named_and_has_to_be_acknowledged() {
