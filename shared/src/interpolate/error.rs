@@ -111,3 +111,42 @@ impl core::fmt::Display for PathError {
 }
 
 impl core::error::Error for PathError {}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::string::ToString;
+
+    use super::*;
+
+    /// Each error has words of its own, and names what it is about.
+    #[test]
+    fn each_error_has_its_own_words() {
+        let errors = [
+            PathError::NotFinite(Field::Feed),
+            PathError::NotPositive(Field::Feed),
+            PathError::TooLarge(Field::Feed),
+            PathError::ZeroLength,
+            PathError::ZeroRadius,
+            PathError::BadPlane,
+            PathError::CoincidentEndPoints,
+            PathError::EndOffArc,
+            PathError::TooLong,
+            PathError::QueueFull,
+            PathError::Interrupted,
+            PathError::Following,
+            PathError::NotConfigured,
+            PathError::BeyondTravel { axis: 7 },
+            PathError::LimitSwitch { axis: 7 },
+            PathError::NotHomed { axis: 7 },
+            PathError::SecondMotor { axis: 7 },
+        ];
+        let mut words: std::vec::Vec<_> = errors.iter().map(ToString::to_string).collect();
+        assert!(words[..3].iter().all(|words| words.starts_with("Feed: ")));
+        assert!(words[13..].iter().all(|words| words.starts_with("axis 7: ")));
+        words.sort();
+        words.dedup();
+        assert_eq!(words.len(), errors.len(), "{words:?}");
+    }
+}

@@ -29,7 +29,7 @@ impl Exponential {
     /// Plans a length from rest to rest.
     ///
     /// # Errors
-    /// [`PathError::TooLong`] if the time constant is 2²⁰ ticks or more.
+    /// [`PathError::TooLong`] if the time constant is more than 2²⁰ ticks.
     pub fn plan(length: i64, limits: &Limits) -> Result<Self, PathError> {
         let alpha = (u128::from(limits.acceleration) << 32) / u128::from(limits.feed.max(1));
         let alpha = u32::try_from(alpha).unwrap_or(u32::MAX);
@@ -123,6 +123,13 @@ mod tests {
             prop_assert!(steps.len() as f64 <= shortest + ticks * (2.0 * libm::log(ticks)) + 6.0, "{}", steps.len());
             prop_assert!(steps.len() as f64 >= shortest);
         }
+    }
+
+    #[test]
+    fn the_longest_time_constant_has_its_limit() {
+        let plan = |ticks: u64| Exponential::plan(1 << 50, &Limits::new(1 << 40, (1 << 40) / ticks, None));
+        assert!(plan(1 << 20).is_ok());
+        assert_eq!(plan((1 << 20) + 300).err(), Some(PathError::TooLong));
     }
 
     #[test]

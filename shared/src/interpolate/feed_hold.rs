@@ -193,3 +193,30 @@ fn change(feed: Option<u64>, acceleration: u64) -> u64 {
     let change = (u128::from(acceleration) << 32) / u128::from(feed.max(1));
     u64::try_from(change).unwrap_or(TICK).clamp(1, TICK)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_override_ends_at_200_percent() {
+        assert_eq!([0, 50, 100, 150].map(rate_of), [0, TICK / 2, TICK, TICK * 3 / 2]);
+        for percent in [200, 201, u8::MAX] {
+            assert_eq!(rate_of(percent), 2 * TICK, "{percent}");
+        }
+    }
+
+    /// At 150 % a planned deceleration of 10 is one of 22.5 on the path: rounded up, a stop is no longer than planned. The largest saturates.
+    #[test]
+    fn the_deceleration_of_a_stop_is_that_of_the_rate_rounded_up() {
+        let at = |percent| {
+            let mut feed = FeedHold::RUNNING;
+            feed.set_override(rate_of(percent), None, 1);
+            feed
+        };
+        for (percent, expected) in [(50, 10), (100, 10), (150, 23)] {
+            assert_eq!(at(percent).stop_acceleration(10), expected, "{percent} %");
+        }
+        assert_eq!(at(200).stop_acceleration(u64::MAX), u64::MAX);
+    }
+}
