@@ -44,7 +44,7 @@
 //! | scale frozen: with a scale in the loop, the motor has moved and the scale has not (the reverse is a frozen encoder) | every position tick | drives off | a dead scale or a broken coupling: the motor would move without end |
 //! | gantry skew: the two motors of a gantry are further from a square beam than declared | every position tick; before an enable, which is inhibited until acknowledged | drives off | one of them does not follow, and the other would bend the beam; without force it is relieved |
 //! | overrun: more late or missed ticks than the board tolerates | every tick, while the power stages are enabled | drives off | the loops have missed their deadline |
-//! | hardware stop | every tick, by the board | drives off | emergency stop or a fault of a power stage; the hardware has already disabled the stage |
+//! | hardware stop | every tick, by the board | drives off | emergency stop, a fault of a power stage, or a low supply of the chip; the hardware has disabled the stage, or the tick does |
 //! | emergency stop | every tick, by the board | drives off | the hardware has cut the stages, or is about to |
 //! | drive fault | every tick, by the board | drives off | the drive does not follow the force |
 //! | encoder signal: sine and cosine of the motor outside their amplitudes | every tick, by the board | drives off | the reading is wrong, or will be |
@@ -172,7 +172,7 @@ pub enum Fault {
     },
     /// A tick did not end before the next one was due, or its interrupt was lost, more often than the board tolerates.
     Overrun,
-    /// The emergency stop, or a fault of a power stage, has disabled the stages in hardware.
+    /// The emergency stop or a fault of a power stage has disabled the stages in hardware, or the supply of the chip is low.
     HardwareStop,
     /// The previous run ended by a reset of the watchdog.
     Watchdog,

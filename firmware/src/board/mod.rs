@@ -8,6 +8,7 @@ pub mod link;
 mod quadrature;
 mod registers;
 mod stage;
+mod supply;
 mod switches;
 mod tick;
 pub mod uart;
@@ -32,6 +33,7 @@ use converter::Converters;
 use dac::AnalogOutputs;
 use registers::ChipRegisters;
 use stage::{Pins, Stages};
+use supply::SupplyDetector;
 use tick::TickTimer;
 use watchdog::Watchdog;
 
@@ -106,7 +108,8 @@ impl Parts {
             (b.pb1, b.pb2, b.pb3, b.pb5, b.pb9, b.pb13, b.pb15),
             (c.pc9, c.pc12),
         );
-        let pins = (b.pb10.into_alternate(), b.pb11.into_alternate());
+        // With the pull-up, a port without a cable receives nothing.
+        let pins = (b.pb10.into_alternate(), b.pb11.into_alternate().internal_resistor(Pull::Up));
         let (uart, interrupt) = uart::start(device.USART3, pins, queues, &mut rcc);
         // SAFETY: the peripherals exist once.
         let (capture, usb_memory) = unsafe { link::core_coupled_memory() };
@@ -122,6 +125,7 @@ impl Parts {
         let full_counts = stages.full_counts();
         let registers = ChipRegisters {
             stages,
+            supply: SupplyDetector::start(device.PWR, &mut rcc),
             converters,
             fault_light: c.pc13.into_push_pull_output_in_state(PinState::High),
             tick_timer: TickTimer::new(device.TIM2, &mut rcc),

@@ -5,6 +5,7 @@ use stm32f4xx_hal::gpio::{Output, PC13};
 use super::converter::Converters;
 use super::quadrature::BoardCounters;
 use super::stage::Stages;
+use super::supply::SupplyDetector;
 use super::switches;
 use super::tick::TickTimer;
 use crate::setup::AXES;
@@ -15,6 +16,8 @@ use crate::two_drives::{Conversions, Registers};
 pub struct ChipRegisters {
     /// Power stages.
     pub stages: Stages,
+    /// Detector of a low supply of the chip.
+    pub supply: SupplyDetector,
     /// Converters.
     pub converters: Converters,
     /// The fault light.
@@ -69,7 +72,7 @@ impl Registers for ChipRegisters {
     }
 
     fn take_stop(&mut self) -> bool {
-        self.stages.take_stop()
+        self.stages.take_stop() | self.supply.is_low()
     }
 
     fn set_light(&mut self, lit: bool) {

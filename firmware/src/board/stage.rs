@@ -123,12 +123,13 @@ impl Stages {
         stopped
     }
 
-    /// Disables the stages and closes the brakes, from any context and in any state of the program.
+    /// Disables the stages, closes the brakes and sets the analogue outputs to 0 V, from any context and in any state of the program.
     pub fn cut() {
         // SAFETY: these writes to set-reset registers and to the main output enable can only switch off.
         let (port, brakes, timer) = unsafe { (&*pac::GPIOB::ptr(), &*pac::GPIOD::ptr(), &*TIM1::ptr()) };
         port.bsrr().write(|w| w.br14().set_bit());
         brakes.bsrr().write(|w| w.br2().set_bit());
         timer.bdtr().modify(|_, w| w.moe().clear_bit());
+        AnalogOutputs::cut();
     }
 }

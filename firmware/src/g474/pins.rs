@@ -54,6 +54,8 @@ const SCALE_Y: Mode = Mode::Device(4, Pull::Up);
 const PWM: Mode = Mode::Device(6, Pull::None);
 const BREAK: Mode = Mode::Device(6, Pull::Down);
 const SERIAL: Mode = Mode::Device(7, Pull::None);
+/// With the pull-up, a port without a cable receives nothing.
+const RECEIVER: Mode = Mode::Device(7, Pull::Up);
 const CAN: Mode = Mode::Device(9, Pull::None);
 
 /// All but the enable and the brakes, which are first. Encoders have pull-ups: an open input does not float. With the pull-down of the stop
@@ -102,7 +104,7 @@ const PINS: [Pin; 40] = [
     pin(gpio::C, 9, Mode::Input),
     pin(gpio::C, 12, Mode::Input),
     pin(gpio::B, 10, SERIAL),
-    pin(gpio::B, 11, SERIAL),
+    pin(gpio::B, 11, RECEIVER),
 ];
 
 /// Receiver and transmitter of CAN.

@@ -6,9 +6,10 @@
 use super::address::tim;
 use super::bus::Bus;
 use super::clock::{CORE_HZ, Device};
-use super::pins;
 use super::tick::UPDATE_AS_TRIGGER;
+use super::{dac, pins};
 use crate::setup;
+use crate::two_drives::zero_volts;
 
 /// PWM counts of full duty: those of a period.
 #[expect(clippy::cast_possible_truncation, reason = "8500")]
@@ -73,9 +74,15 @@ pub fn take_stop(bus: impl Bus) -> bool {
     broken != 0
 }
 
-/// Disables the power stages and closes the brakes, from any context and in any state of the program. These writes can only switch off.
+/// Disables the power stages, closes the brakes and sets the analogue outputs to 0 V, from any context and in any state of the program. These
+/// writes can only switch off.
 pub fn cut(bus: impl Bus) {
     pins::set_enable(bus, false);
     pins::set_brakes_open(bus, false);
     bus.clear_bits(timer(tim::BDTR), MAIN_OUTPUT);
+    setup::TABLE
+        .map(zero_volts)
+        .into_iter()
+        .enumerate()
+        .for_each(|(axis, counts)| dac::set(bus, axis, counts));
 }

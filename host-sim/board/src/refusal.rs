@@ -288,7 +288,10 @@ pub fn fault(fault: Fault) -> String {
     match fault {
         Fault::Axis { axis, kind } => format!("{}: {}", axis_name(axis), kind_text(kind)),
         Fault::Overrun => "overrun: a tick did not end in time, or was missed".into(),
-        Fault::HardwareStop => "stopped by hardware: emergency stop, or a fault of a power stage".into(),
+        Fault::HardwareStop => {
+            "stopped by hardware: emergency stop, a fault of a power stage, or a low supply of the chip"
+                .into()
+        }
         Fault::EmergencyStop => "the emergency stop is pressed".into(),
         Fault::BusOvervoltage => "the bus voltage is too high".into(),
         Fault::BusUndervoltage => "the bus voltage is too low".into(),

@@ -15,7 +15,7 @@
 //!
 //! The demands of joints that follow each other within the window W of the filters (or within one tick) add up. A joint
 //! next to a block of length L, passed at v, may use the fraction x = L/(L + W·(v + a·W/2)), where a·W/2 is what the ramps
-//! can add to the speed within a window. The blocks between k + 1 joints within a window take no more than W; in the worst
+//! can add to the speed within a window. The feed is no such demand: a joint that may be passed at the feed with its fraction is. The blocks between k + 1 joints within a window take no more than W; in the worst
 //! case, evenly spaced, these fractions are 1/(k + 1) each.
 
 use super::limits::Limits;
@@ -81,10 +81,22 @@ impl JointLimits {
                 speed = speed.min(squared.isqrt());
             }
         }
-        let speed = speed.min(u128::from(limits.feed));
-        let ramp_gain = stretched(corner.ramp_acceleration, rounding.window) / 2;
-        let fraction = window_fraction(speed, ramp_gain, rounding.window, corner.length);
-        let speed = ((speed * fraction) >> 32).min(corner.speed_within_tolerance(jump, fraction));
+        let window = Window {
+            ticks: rounding.window,
+            ramp_gain: stretched(corner.ramp_acceleration, rounding.window) / 2,
+            length: u128::from(corner.length.max(1)),
+        };
+        let within = |fraction: u128| {
+            ((speed.min(1 << 64) * fraction) >> 32).min(corner.speed_within_tolerance(jump, fraction))
+        };
+        let feed = u128::from(limits.feed);
+        let at_feed = window.fraction_at(feed);
+        let (speed, fraction) = if feed <= within(at_feed) {
+            (feed, at_feed)
+        } else {
+            let fraction = window.fraction_of(speed);
+            (within(fraction).min(feed), fraction)
+        };
         let acceleration = (((speed * jump) >> 32) << 16).div_ceil(u128::from(rounding.stretch.max(1)));
         let mut jerk = (acceleration << 16).div_ceil(u128::from(rounding.rise.max(1)));
         for radius in radii() {
@@ -126,14 +138,34 @@ fn stretched(limit: u64, ticks_q16: u64) -> u128 {
     (u128::from(limit) * u128::from(ticks_q16)) >> 16
 }
 
-/// The fraction of a window, 32 fraction bits and at least 1, that a joint may use which alone could be passed at `speed`.
-///
-/// From x = L/(L + W·(x·speed + gain)), with r = W·speed/L and b = 1 + W·gain/L: x = 2/(b + √(b² + 4r)).
-fn window_fraction(speed: u128, gain: u128, window: u64, length: u64) -> u128 {
-    let length = u128::from(length.max(1));
-    let per_length = |speed: u128| (speed.min(1 << 64) * u128::from(window) / length).min(1 << 60);
-    let (r, b) = (per_length(speed), (1 << 32) + per_length(gain));
-    ((2 << 64) / (b + (b * b + (r << 34)).isqrt())).max(1)
+/// The window in which the effects of joints add up, beside a block.
+struct Window {
+    /// W, ticks with 16 fraction bits.
+    ticks: u64,
+    /// What the ramps can add to the speed within it, a·W/2.
+    ramp_gain: u128,
+    /// L, the length of the block, position units.
+    length: u128,
+}
+
+impl Window {
+    /// The part of a block that is passed within the window at a speed, 32 fraction bits.
+    fn per_length(&self, speed: u128) -> u128 {
+        (speed.min(1 << 64) * u128::from(self.ticks) / self.length).min(1 << 60)
+    }
+
+    /// The fraction that a joint may use which is passed at a speed, 32 fraction bits and at least 1: x = L/(L + W·(v + gain)).
+    fn fraction_at(&self, speed: u128) -> u128 {
+        ((1 << 64) / ((1 << 32) + self.per_length(speed) + self.per_length(self.ramp_gain))).max(1)
+    }
+
+    /// The fraction that a joint may use which alone could be passed at a speed V, and is passed at x·V, 32 fraction bits and at least 1.
+    ///
+    /// From x = L/(L + W·(x·V + gain)), with r = W·V/L and b = 1 + W·gain/L: x = 2/(b + √(b² + 4r)).
+    fn fraction_of(&self, alone: u128) -> u128 {
+        let (r, b) = (self.per_length(alone), (1 << 32) + self.per_length(self.ramp_gain));
+        ((2 << 64) / (b + (b * b + (r << 34)).isqrt())).max(1)
+    }
 }
 
 /// u = |t₂ − t₁| with 32 fraction bits, rounded up.
@@ -144,4 +176,120 @@ fn jump<const N: usize>(from: &BlockEnd<N>, to: &BlockEnd<N>) -> u128 {
         difference * difference
     });
     (squares.sum::<u128>().isqrt() >> 14) + 1
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const ONE: f64 = 65_536.0;
+
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below 2⁵³")]
+    fn q16(value: f64) -> u64 {
+        (value * ONE) as u64
+    }
+
+    /// A corner of an angle, with filters; a side may be an arc.
+    struct Case {
+        angle: f64,
+        radius: Option<f64>,
+        feed: f64,
+        jerk: Option<f64>,
+        tolerance: f64,
+        /// Ticks: deviation, deviation by acceleration, stretch, rise, window.
+        rounding: [f64; 5],
+        ramp: f64,
+        length: f64,
+    }
+
+    const ACCELERATION: f64 = 200.0;
+
+    impl Case {
+        /// Speed, acceleration and jerk by the equations of the module, per tick.
+        fn exact(&self) -> [f64; 3] {
+            let [kappa, kappa2, stretch, rise, window] = self.rounding;
+            let jump = 2.0 * (self.angle / 2.0).sin();
+            let within = |fraction: f64| {
+                if kappa > 0.0 {
+                    ((fraction * self.tolerance / jump - self.ramp * kappa2) / kappa).max(0.0)
+                } else {
+                    f64::INFINITY
+                }
+            };
+            let centripetal = self.radius.map_or(0.0, f64::recip);
+            let joint_jerk = self.jerk.map_or(f64::INFINITY, |jerk| jerk / 2.0);
+            let speed = (ACCELERATION / 2.0 * stretch / jump)
+                .min(within(1.0))
+                .min(joint_jerk / 2.0 * stretch * rise / jump)
+                .min((joint_jerk / 2.0 * stretch / centripetal).sqrt());
+            let at_feed = self.length / (self.length + window * (self.feed + window * self.ramp / 2.0));
+            let (speed, fraction) = if self.feed <= (speed * at_feed).min(within(at_feed)) {
+                (self.feed, at_feed)
+            } else {
+                // x·(L + W·(x·v + a·W/2)) = L.
+                let (r, b) =
+                    (window * speed / self.length, 1.0 + window * window * self.ramp / 2.0 / self.length);
+                let fraction = 2.0 / (b + (b * b + 4.0 * r).sqrt());
+                ((speed * fraction).min(within(fraction)).min(self.feed), fraction)
+            };
+            let acceleration = speed * jump / stretch;
+            let jerk = acceleration / rise + speed * speed * centripetal / stretch;
+            [speed, acceleration / fraction, jerk / fraction]
+        }
+
+        fn found(&self) -> [f64; 3] {
+            let one = f64::from(1 << 31).powi(2);
+            #[expect(clippy::cast_possible_truncation, reason = "unit vectors and lengths")]
+            let (direction, radius) = (
+                |angle: f64| [(angle.cos() * one) as i64, (angle.sin() * one) as i64],
+                self.radius.map(|radius| radius as i64),
+            );
+            let [deviation, deviation_by_acceleration, stretch, rise, window] = self.rounding.map(q16);
+            let rounding = CornerRounding { deviation, deviation_by_acceleration, stretch, rise, window };
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths")]
+            let joint = JointLimits::plan(&Corner {
+                from: &BlockEnd { direction: direction(0.3), radius: None },
+                to: &BlockEnd { direction: direction(0.3 + self.angle), radius },
+                limits: &Limits::new(q16(self.feed), q16(ACCELERATION), self.jerk.map(q16)),
+                ramp_acceleration: q16(self.ramp),
+                rounding: &rounding,
+                tolerance: self.tolerance as u64,
+                length: self.length as u64,
+            });
+            [joint.speed, joint.acceleration, joint.jerk].map(|value| value as f64 / ONE)
+        }
+    }
+
+    proptest! {
+        /// To 1e-3: a jump has 32 fraction bits, speeds, accelerations and jerks 16.
+        #[test]
+        fn a_joint_is_that_of_its_equations(
+            angle in 0.02..3.0f64, radius in prop::option::of(1e6..1e9f64), feed in 1e3..1e5f64, jerk in prop::option::of(5.0..100.0f64),
+            tolerance in 1e4..1e7f64, filtered: bool, stretch in 2.0..60.0f64, ramp in 1.0..200.0f64, length in 1e4..1e8f64,
+        ) {
+            let rounding = if filtered {
+                [stretch / 8.0, stretch * stretch / 48.0, stretch, 1.0 + stretch / 4.0, 1.5 * stretch]
+            } else {
+                [0.0, 0.0, 1.0, 1.0, 1.0]
+            };
+            let case = Case { angle, radius, feed, jerk, tolerance: tolerance.trunc(), rounding, ramp, length: length.trunc() };
+            let [exact, found] = [case.exact(), case.found()];
+            for (name, (exact, found)) in ["speed", "acceleration", "jerk"].into_iter().zip(exact.into_iter().zip(found)) {
+                prop_assert!((found - exact).abs() <= 1e-3 * exact + 0.02, "{name}: {found}, {exact}");
+            }
+        }
+    }
+
+    /// What a joint takes is missing to the ramps; a limit is never zero.
+    #[test]
+    fn ramps_have_what_the_joints_leave() {
+        let joint = |acceleration, jerk| JointLimits { speed: 5, acceleration, jerk };
+        let limits = Limits::new(1000, 100, Some(40));
+        let ramps = limits_of_ramps(&limits, &joint(30, 7), &joint(20, 9));
+        assert_eq!((ramps.feed, ramps.acceleration, ramps.jerk), (1000, 70, Some(31)));
+        let ramps = limits_of_ramps(&limits, &joint(200, 7), &joint(20, 90));
+        assert_eq!((ramps.acceleration, ramps.jerk), (1, Some(1)));
+    }
 }

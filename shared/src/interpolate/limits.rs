@@ -115,3 +115,60 @@ fn feed_within_jerk(feed: u128, radius: u128, jerk: u64) -> u128 {
     }
     low
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const ONE: f64 = 65_536.0;
+
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below 2⁵³")]
+    fn q16(value: f64) -> u64 {
+        (value * ONE) as u64
+    }
+
+    proptest! {
+        /// By the documentation of [`Limits::on_arc`]: with A* = 15/16 A, v²/R ≤ √¾·A*, v³/R² ≤ J/4, a ≤ √(A*² − v⁴/R²), 3va/R ≤ J/2; and each is the
+        /// greatest that is allowed, to 2e-4, the rounding of √¾ and of the small values among these.
+        #[test]
+        fn an_arc_has_the_greatest_feed_and_acceleration(
+            feed in 1e4..1e6f64, acceleration in 1e2..1e4f64, jerk in prop::option::of(1.0..1e3f64), radius in 1e7..1e11f64,
+        ) {
+            #[expect(clippy::cast_possible_truncation, reason = "below 2⁵³")]
+            let limits = Limits::new(q16(feed), q16(acceleration), jerk.map(q16)).on_arc(radius as i64);
+            let available = acceleration * 15.0 / 16.0;
+            let by_centripetal = (0.75f64.sqrt() * available * radius).sqrt();
+            let by_jerk = jerk.map_or(f64::INFINITY, |jerk| (jerk / 4.0 * radius * radius).cbrt());
+            let exact = feed.min(by_centripetal).min(by_jerk);
+            let found = limits.feed as f64 / ONE;
+            prop_assert!((found / exact - 1.0).abs() < 2e-4, "feed {found}, {exact}");
+            let centripetal = found * found / radius;
+            let exact = (available * available - centripetal * centripetal).sqrt();
+            let exact = exact.min(jerk.map_or(f64::INFINITY, |jerk| jerk * radius / (6.0 * found)));
+            let along = limits.acceleration as f64 / ONE;
+            prop_assert!((along / exact - 1.0).abs() < 2e-4, "acceleration {along}, {exact}");
+            prop_assert_eq!(limits.jerk.is_some(), jerk.is_some());
+            if let (Some(found), Some(jerk)) = (limits.jerk, jerk) {
+                prop_assert!((found as f64 / ONE - jerk / 2.0).abs() < 1e-4);
+                prop_assert!((limits.joint_jerk as f64 / ONE - jerk / 16.0).abs() < 1e-4);
+            }
+            prop_assert!((limits.joint_acceleration as f64 / ONE - acceleration / 16.0).abs() < 1e-4);
+        }
+    }
+
+    /// Of a block with a limit of the jerk and one without, the joint has that of the first.
+    #[test]
+    fn the_jerk_of_a_joint_is_that_of_the_block_that_has_a_limit() {
+        let (with, without) = (Limits::new(100, 50, Some(20)), Limits::new(90, 60, None));
+        for joint in [with.intersection(&without), without.intersection(&with)] {
+            assert_eq!(
+                (joint.feed, joint.acceleration, joint.jerk, joint.joint_jerk),
+                (90, 50, Some(20), 10)
+            );
+        }
+        let joint = with.intersection(&Limits::new(100, 50, Some(8)));
+        assert_eq!((joint.jerk, joint.joint_jerk), (Some(8), 4));
+    }
+}

@@ -397,3 +397,67 @@ fn integer(value: f64, min: f64, max: f64, field: Field) -> Result<u64, PathErro
     )]
     Ok(value as u64)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interpolate::smooth::{Filter, Smoothing};
+
+    const RATE_HZ: f64 = 4000.0;
+
+    fn planned(block: &Block<2>, start_m: [f64; 2], rounding: &CornerRounding) -> PlannedBlock<2> {
+        let start = start_m.map(|m| Position::from_m(m).unwrap());
+        PlannedBlock::new(block, start, RATE_HZ, rounding).unwrap()
+    }
+
+    /// What a joint takes changes the ramps also where the speeds at the ends stay.
+    #[test]
+    fn ramps_are_planned_again_for_what_a_joint_takes() {
+        let block = planned(&Block::line([0.1, 0.0], 0.1, 2.0), [0.0; 2], &CornerRounding::NONE);
+        let mut changed = block;
+        changed.exit_joint.acceleration = block.limits.acceleration / 2;
+        changed.set_end_speeds(0, 0);
+        assert_eq!(
+            changed.timing,
+            planned(&Block::line([0.1, 0.0], 0.1, 1.0), [0.0; 2], &CornerRounding::NONE).timing
+        );
+        let mut same = block;
+        same.set_end_speeds(0, 0);
+        assert_eq!(same, block);
+    }
+
+    /// Without ramps the speed cannot change between blocks: a joint on a straight line is passed at the feed, if it is that of both.
+    #[test]
+    fn blocks_without_ramps_are_joined_at_their_common_feed() {
+        let rounding = Filter::new(&Smoothing::Trapezoid { time_s: 0.1 }, RATE_HZ).unwrap().rounding();
+        let line = |to: f64, feed| {
+            Block::line([to, 0.0], feed, 2.0).with_ramps(Ramps::AfterInterpolation).within(1e-3)
+        };
+        let first = planned(&line(0.1, 0.1), [0.0; 2], &rounding);
+        for (feed, passes) in [(0.1, true), (0.05, false), (0.15, false)] {
+            let joint = first.joint_with(&planned(&line(0.2, feed), [0.1, 0.0], &rounding), &rounding);
+            let expected = if passes { first.limits.feed } else { 0 };
+            assert_eq!(joint.speed, expected, "{feed} m/s");
+        }
+    }
+
+    #[test]
+    fn numbers_end_at_their_limits() {
+        let within = |value| integer(value, 1.0, 10.0, Field::Feed);
+        assert_eq!((within(1.0), within(10.0), within(9.99)), (Ok(1), Ok(10), Ok(9)));
+        assert_eq!(within(0.999), Err(PathError::NotPositive(Field::Feed)));
+        assert_eq!(within(10.001), Err(PathError::TooLarge(Field::Feed)));
+        assert_eq!(within(f64::NAN), Err(PathError::NotFinite(Field::Feed)));
+    }
+
+    /// The plane is checked before the numbers.
+    #[test]
+    fn a_plane_has_two_axes_of_the_machine() {
+        for plane in [[0, 0], [1, 1], [0, 2], [2, 1]] {
+            let block = Block::arc(plane, [f64::NAN, 0.0], 1.0, 0.1, 1.0);
+            let error =
+                PlannedBlock::new(&block, [Position(0); 2], RATE_HZ, &CornerRounding::NONE).unwrap_err();
+            assert_eq!(error, PathError::BadPlane, "{plane:?}");
+        }
+    }
+}

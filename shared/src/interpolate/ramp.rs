@@ -165,6 +165,34 @@ mod tests {
 
     use super::*;
 
+    #[test]
+    fn a_root_is_rounded_up() {
+        for (value, root) in
+            [(0, 0), (1, 1), (2, 2), (3, 2), (4, 2), (5, 3), (8, 3), (9, 3), (10, 4), (16, 4), (17, 5)]
+        {
+            assert_eq!(ceil_sqrt(value), root, "{value}");
+        }
+    }
+
+    /// A speed above the greatest one stays, also where no ramp to it would fit.
+    #[test]
+    fn a_speed_is_not_reduced_to_the_greatest_one() {
+        let limits = Limits::new(1 << 40, 1 << 16, None);
+        assert_eq!(reachable(1, 1 << 40, 1 << 30, &limits), 1 << 40);
+    }
+
+    /// Without a jerk limit: top² = (entry² + exit²)/2 + A·L.
+    #[test]
+    fn the_peak_is_that_of_the_work_of_both_ramps() {
+        let (acceleration, length) = (3.0, 40_000.0);
+        let limits = Limits::new(1 << 50, 3 << 16, None);
+        for (entry, exit) in [(0u64, 200u64), (200, 0), (300, 100)] {
+            let exact = ((entry * entry + exit * exit) as f64 / 2.0 + acceleration * length).sqrt();
+            let found = peak(40_000, entry << 16, exit << 16, &limits) as f64 / ONE;
+            assert!((found - exact).abs() < 1e-3, "{entry}, {exit}: {found}, {exact}");
+        }
+    }
+
     /// 1 with 16 fraction bits.
     const ONE: f64 = 65_536.0;
 

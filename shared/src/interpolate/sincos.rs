@@ -162,6 +162,17 @@ mod tests {
         assert!(worst > 2e-17, "an error this small would mean that nothing was tested: {worst:e}");
     }
 
+    /// To nearest, by half a step and what the 62 bits of the table have left.
+    #[test]
+    fn the_sine_of_a_table_is_rounded_to_nearest() {
+        for step in 0..SINE_STEPS {
+            let exact =
+                16_384.0 * libm::sin(core::f64::consts::TAU * f64::from(step) / f64::from(SINE_STEPS));
+            let off = f64::from(sine_q14(step)) - exact;
+            assert!(off.abs() <= 0.5 + 1e-9, "{step}: {off}");
+        }
+    }
+
     #[test]
     fn quarter_turns_are_exact() {
         assert_eq!(sin_cos(0), (0, ONE));

@@ -4,8 +4,8 @@ use super::*;
 
 /// A circle of 2π·50 mm in chords of L = 0.1 mm. The speed is limited by the queue, at whose end the path must be able to
 /// stop: 14 blocks, 1.4 mm, when a block starts, because this host pushes between ticks. A joint turns by u = 2 mrad. Alone
-/// it could be passed at the feed; with neighbours within a tick, r = W·v/L = 1, it may use the fraction x = 2/(1 + √5) =
-/// 0.618, is passed at 62 mm/s, and takes v·u/(T·x) = 0.2 m/s² of 1 m/s². So v = √(2·0.8 m/s²·1.4 mm) = 47 mm/s.
+/// it could be passed at A'·T/u = 0.25 m/s; with a neighbour within a tick at the feed, W·v = L, it may use the fraction x = 1/2, with which it
+/// may be passed at the feed, and takes v·u/(T·x) = 0.4 m/s² of 1 m/s². So v = √(2·0.6 m/s²·1.4 mm) = 41 mm/s.
 #[test]
 fn look_ahead_carries_speed_over_short_blocks() {
     let (radius, count, feed, acceleration) = (0.05, 3142, 0.1, 1.0);
@@ -20,7 +20,7 @@ fn look_ahead_carries_speed_over_short_blocks() {
     for ramps in [Ramps::Trapezoid, Ramps::SCurve { jerk_m_per_s3: 200.0 }] {
         let commands = travel(point(0), 1000.0, Smoothing::None, &chords(ramps));
         let seconds = commands.len() as f64 / 1000.0;
-        let expected = length / (2.0 * 0.8 * acceleration * 14.0 * 1e-4).sqrt();
+        let expected = length / (2.0 * 0.6 * acceleration * 14.0 * 1e-4).sqrt();
         // With a stop after each chord, 2·√(L/A) each, the circle would take 63 s. With a jerk limit the acceleration is
         // zero at every joint, which halves the speed over short blocks.
         let max_ratio = if ramps == Ramps::Trapezoid { 1.1 } else { 2.4 };
@@ -133,4 +133,63 @@ fn a_huge_jerk_limit_keeps_the_acceleration_limit() {
         let worst = greatest(&travel([0.0, 0.0], rate_hz, Smoothing::None, blocks), rate_hz, 2);
         assert!(worst <= limit * (1.0 + 1e-6) + quantum(rate_hz, 2), "{worst} m/s², limit {limit}");
     }
+}
+
+/// A block that runs to a stop keeps it. The next one, that is pushed then, starts as if it were alone: nothing of its acceleration is taken by
+/// a joint that is not passed.
+#[test]
+fn a_block_behind_a_running_one_starts_from_rest() {
+    let ticks = |path: &mut Path<2>| {
+        let mut ticks = 0i32;
+        while !path.is_done() {
+            path.advance();
+            ticks += 1;
+        }
+        ticks
+    };
+    let (first, second) =
+        (Block::line([0.05, 0.0], 0.1, 1.0).within(1e-5), Block::line([0.05, 0.05], 0.1, 1.0));
+    let alone = |block, start| {
+        let mut path = Path::new(at(start), 4000.0);
+        path.push(&block).unwrap();
+        ticks(&mut path)
+    };
+    let separate = alone(first, [0.0; 2]) + alone(second, [0.05, 0.0]);
+    let mut path = Path::new(at([0.0; 2]), 4000.0);
+    path.push(&first).unwrap();
+    for _ in 0..1000 {
+        path.advance();
+    }
+    path.push(&second).unwrap();
+    let together = 1000 + ticks(&mut path);
+    assert!((together - separate).abs() <= 2, "{together}, {separate}");
+}
+
+/// In pieces of 0.5 mm, with filters of 10 ms, that the path passes in half of that: a straight line takes the time of one block, d/v + v/A and the
+/// time of the filters, and a circle of chords, whose joints take a part of the acceleration from the ramps at both ends, at most that of
+/// ramps with half of it.
+#[test]
+fn a_path_of_short_blocks_runs_at_the_feed() {
+    let (feed, acceleration, radius, rate_hz, time_s) = (0.1, 2.0, 0.05, 4000.0, 0.01);
+    let count = 628;
+    let circumference = TAU * radius;
+    let chord = |k: i32| {
+        let angle = TAU * f64::from(k) / f64::from(count);
+        Block::line([radius * angle.cos(), radius * angle.sin()], feed, acceleration).within(1e-5)
+    };
+    let piece = |k: i32| {
+        Block::line([circumference * f64::from(k) / f64::from(count), 0.0], feed, acceleration).within(1e-5)
+    };
+    let seconds = |start, blocks: Vec<Block<2>>| {
+        travel(start, rate_hz, Smoothing::Trapezoid { time_s }, &blocks).len() as f64 / rate_hz
+    };
+    let line = seconds([0.0; 2], (1..=count).map(piece).collect());
+    let circle = seconds([radius, 0.0], (1..=count).map(chord).collect());
+    let shortest = circumference / feed + feed / acceleration + time_s;
+    // Eight ticks of standstill are counted, and the last digit of the acceleration of the ramps costs one more.
+    assert!((line - shortest - 8.0 / rate_hz).abs() <= 2.0 / rate_hz, "{line} s, {shortest} s");
+    assert!(
+        (shortest..shortest + feed / acceleration + 8.0 / rate_hz).contains(&circle),
+        "{circle} s, {shortest} s"
+    );
 }

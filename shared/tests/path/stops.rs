@@ -72,3 +72,93 @@ fn a_stop_beside_a_joint_stays_on_the_path() {
         }
     }
 }
+
+/// The mean of the last commands, as the filter gives it.
+fn mean_of(commands: &[[Position; 2]], ticks: usize, at: usize) -> Point {
+    let window = (0..ticks).map(|ago| commands[at.saturating_sub(ago)]);
+    window.fold([0.0; 2], |sum, point| [0, 1].map(|axis| sum[axis] + point[axis].to_m() / ticks as f64))
+}
+
+/// The filter of an axis sees each movement of the path: at an override, over a joint, in a stop and at its end.
+#[test]
+fn a_filtered_path_is_the_mean_of_the_path() {
+    const TICKS: usize = 40;
+    let rate_hz = 4000.0;
+    let deceleration = 1.5 * PER_M / (rate_hz * rate_hz) * 65_536.0;
+    for (percent, stops) in [(100, false), (100, true), (50, false), (130, false), (200, true), (70, true)] {
+        let run = |smoothing| {
+            let mut path = Path::new(at([0.0; 2]), rate_hz);
+            path.smooth(&[smoothing; 2]).unwrap();
+            let ends = if stops { &[[0.04, 0.0]][..] } else { &[[0.02, 0.0], [0.04, 0.0]] };
+            for &to in ends {
+                path.push(&Block::line(to, 0.1, 1.0)).unwrap();
+            }
+            let mut commands = vec![path.command()];
+            let end = |path: &Path<2>| if stops { path.has_stopped() } else { path.is_done() };
+            while !end(&path) {
+                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below 2⁵³")]
+                match commands.len() {
+                    500 => path.set_override(percent, deceleration as u64),
+                    1300 if stops => path.brake(deceleration as u64),
+                    _ => {}
+                }
+                commands.push(path.advance());
+                assert!(commands.len() < 20_000, "no end");
+            }
+            commands
+        };
+        let time_s = TICKS as f64 / rate_hz;
+        let (plain, mut filtered) = (run(Smoothing::None), run(Smoothing::Trapezoid { time_s }));
+        // A path with a filter waits for it at a stop: the second block starts later by its memory.
+        let stop = plain.iter().position(|point| point[0] >= at([0.02, 0.0])[0] && !stops);
+        let compared = stop.unwrap_or(plain.len()).min(filtered.len());
+        for tick in 0..compared {
+            let mean = mean_of(&plain, TICKS, tick);
+            let found = filtered[tick].map(Position::to_m);
+            assert!((mean[0] - found[0]).abs() < 1e-12, "{percent} % {stops} {tick}: {found:?} {mean:?}");
+        }
+        let last = filtered.pop().unwrap();
+        assert_eq!(Some(&last), plain.last(), "{percent} % {stops}");
+    }
+}
+
+/// Without ramps the path ends at its feed: a stop that is started 5 ticks before ends with the path, and not when the speed would be zero,
+/// after 0.1 m/s over 1 m/s², 400 ticks.
+#[test]
+fn a_stop_ends_where_the_path_does() {
+    let rate_hz = 4000.0;
+    let mut path = Path::new(at([0.0; 2]), rate_hz);
+    path.smooth(&[Smoothing::Trapezoid { time_s: 0.1 }; 2]).unwrap();
+    let line = Block::line([0.05, 0.0], 0.1, 1.0).with_ramps(Ramps::AfterInterpolation);
+    path.push(&line).unwrap();
+    // 50 mm at 0.1 m/s take 2000 ticks.
+    for _ in 0..1995 {
+        path.advance();
+    }
+    path.brake(0);
+    let mut ticks = 0;
+    while !path.has_stopped() {
+        path.advance();
+        ticks += 1;
+        assert!(ticks < 430, "no end");
+    }
+    // The path and the memory of the filter, 400 ticks.
+    assert!((390..=412).contains(&ticks), "{ticks}");
+    assert_eq!(path.command(), at([0.05, 0.0]));
+}
+
+/// Ramps of limited jerk have seven segments: the tick in which one ends, or is found to end, and no other has time for less urgent work.
+#[test]
+fn segment_ends_are_told() {
+    let mut path = Path::new(at([0.0; 2]), 4000.0);
+    path.push(&Block::line([0.05, 0.0], 0.1, 1.0).with_ramps(Ramps::SCurve { jerk_m_per_s3: 50.0 })).unwrap();
+    let mut told = 0;
+    let mut ticks = 0;
+    while !path.is_done() {
+        path.advance();
+        ticks += 1;
+        told += u32::from(path.take_segment_end());
+    }
+    assert!((7..=14).contains(&told) && ticks > 2000, "{told} of {ticks}");
+    assert!(!path.take_segment_end());
+}

@@ -25,6 +25,10 @@ const SCALE_SIGNALS: u32 = 1 << 3 | 1 << 10;
 const ADC1_JDR3: u32 = 0x4001_2044;
 const ADC2_JDR3: u32 = 0x4001_2144;
 
+/// Control and status of the supply of the chip (5.4.2); bit 2: below the level of the detector.
+const PWR_CSR: u32 = 0x4000_7004;
+const IS_LOW: u32 = 1 << 2;
+
 /// Counters of TIM3 and TIM4, the encoders of X and Y, and of TIM5 and TIM8, the scales of X and Y.
 const COUNTERS: [u32; 4] = [0x4000_0424, 0x4000_0824, 0x4000_0c24, 0x4001_0424];
 /// Their captures of channel 4, at the start of a tick.
@@ -104,6 +108,8 @@ pub struct Inputs {
     pub no_signal: u32,
     /// The contact of the probe, if it is closed: a bit of port A.
     pub probe: u32,
+    /// Whether the supply of the chip is low.
+    pub low_supply: bool,
     /// The registers of [`INDEX_STATUS`] that were read, in order.
     pub index_reads: Vec<u32>,
 }
@@ -147,6 +153,7 @@ impl Device for Inputs {
             CYCLE_COUNT,
             ADC1_JDR3,
             ADC2_JDR3,
+            PWR_CSR,
             INDEX_STATUS[0],
             INDEX_STATUS[1],
             INDEX_STATUS[2],
@@ -179,6 +186,7 @@ impl Device for Inputs {
             }
             GPIOA_IDR => SCALE_SIGNALS & !self.no_signal | self.probe,
             GPIOC_IDR => self.home,
+            PWR_CSR => u32::from(self.low_supply) * IS_LOW,
             TIM5_CCR4 => self.scale_counts(0),
             TIM8_CCR4 => self.scale_counts(1),
             address if INDEX_STATUS.contains(&address) => {

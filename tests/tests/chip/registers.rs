@@ -30,70 +30,119 @@ const TIM1: [(&str, u32, u32); 9] = [
     ("CR1", 0x00, 0x81),
 ];
 
-/// Bits that must be set by a write to a register of a port or of RCC.
-const BITS: [(&str, &str, u32, u32); 35] = [
+/// Bits that must be set by a write to a register of RCC.
+const BITS: [(&str, &str, u32, u32); 3] = [
     // 7.3.21: the flags of the cause of the reset are cleared.
     ("RCC", "CSR: RMVF", 0x74, 1 << 24),
     // 7.3.12 and 7.3.7: the clock of OTG_FS, and its reset.
     ("RCC", "AHB2ENR: OTGFSEN", 0x34, 1 << 7),
     ("RCC", "AHB2RSTR: OTGFSRST", 0x14, 1 << 7),
-    ("GPIOA", "PA11, PA12: alternate", 0x00, 0b10 << 22),
-    ("GPIOA", "PA11: OTG_FS (AF10)", 0x24, 10 << 12),
-    ("GPIOA", "PA12: OTG_FS (AF10)", 0x24, 10 << 16),
-    ("GPIOA", "PA8, PA9: alternate", 0x00, 0b10 << 16),
-    ("GPIOA", "PA9: alternate", 0x00, 0b10 << 18),
-    ("GPIOA", "PA8: TIM1 (AF1)", 0x24, 1),
-    ("GPIOA", "PA9: TIM1 (AF1)", 0x24, 1 << 4),
-    ("GPIOA", "PA6: TIM3 (AF2)", 0x20, 2 << 24),
-    ("GPIOA", "PA7: TIM3 (AF2)", 0x20, 2 << 28),
-    ("GPIOA", "PA6: pulled up", 0x0c, 0b01 << 12),
-    ("GPIOA", "PA7: pulled up", 0x0c, 0b01 << 14),
-    ("GPIOA", "PA0: TIM5 (AF2)", 0x20, 2),
-    ("GPIOA", "PA1: TIM5 (AF2)", 0x20, 2 << 4),
-    ("GPIOA", "PA2: TIM5 (AF2)", 0x20, 2 << 8),
-    ("GPIOA", "PA4, PA5: analogue", 0x00, 0b11 << 8),
-    ("GPIOB", "PB0: TIM3 (AF2)", 0x20, 2),
-    ("GPIOB", "PB6: TIM4 (AF2)", 0x20, 2 << 24),
-    ("GPIOB", "PB7: TIM4 (AF2)", 0x20, 2 << 28),
-    ("GPIOB", "PB8: TIM4 (AF2)", 0x24, 2),
-    ("GPIOB", "PB6: pulled up", 0x0c, 0b01 << 12),
-    ("GPIOB", "PB7: pulled up", 0x0c, 0b01 << 14),
-    ("GPIOB", "PB10: USART3 (AF7)", 0x24, 7 << 8),
-    ("GPIOB", "PB11: USART3 (AF7)", 0x24, 7 << 12),
-    ("GPIOB", "PB12: TIM1 break (AF1)", 0x24, 1 << 16),
-    ("GPIOB", "PB12: pulled down, a broken wire stops", 0x0c, 0b10 << 24),
-    ("GPIOB", "PB14: output", 0x00, 0b01 << 28),
-    ("GPIOB", "PB15: pulled down, a broken wire is open", 0x0c, 0b10 << 30),
-    ("GPIOC", "PC6: TIM8 (AF3)", 0x20, 3 << 24),
-    ("GPIOC", "PC7: TIM8 (AF3)", 0x20, 3 << 28),
-    ("GPIOC", "PC10: output", 0x00, 0b01 << 20),
-    ("GPIOC", "PC11: output", 0x00, 0b01 << 22),
-    ("GPIOD", "PD2: output", 0x00, 0b01 << 4),
 ];
 
-/// Contacts on port B with pull-downs, so that a broken wire is active: limit switches, drive faults. On port A, where a broken wire is
-/// a scale without a signal, and a probe that is touched. And on port C, where it is a switch that is not found: home switches.
-const PULLED_DOWN: [(&str, u32); 11] = [
-    ("GPIOA", 3),
-    ("GPIOA", 10),
-    ("GPIOA", 15),
-    ("GPIOB", 1),
-    ("GPIOB", 5),
-    ("GPIOB", 9),
-    ("GPIOB", 13),
-    ("GPIOB", 2),
-    ("GPIOB", 3),
-    ("GPIOC", 9),
-    ("GPIOC", 12),
+/// What a pin is: its mode (8.4.1), pull (8.4.4) and alternate function (8.4.9 and 8.4.10).
+#[derive(Clone, Copy)]
+enum Role {
+    /// Input with a pull-down: a broken wire is active.
+    Contact,
+    /// Output.
+    Output,
+    /// Of a converter.
+    Analog,
+    /// A device's, by its number, and pulled up (01), down (10) or not.
+    Device(u32, u32),
+}
+
+/// Not pulled.
+const FREE: u32 = 0b00;
+/// Pulled up: an open input does not float.
+const UP: u32 = 0b01;
+/// Pulled down: a broken wire stops the drives.
+const DOWN: u32 = 0b10;
+
+/// Every pin of the wiring table of `docs/firmware.md`.
+const PINS: [(&str, u32, Role); 44] = [
+    ("GPIOA", 0, Role::Device(2, UP)),
+    ("GPIOA", 1, Role::Device(2, UP)),
+    ("GPIOA", 2, Role::Device(2, UP)),
+    ("GPIOA", 3, Role::Contact),
+    ("GPIOA", 4, Role::Analog),
+    ("GPIOA", 5, Role::Analog),
+    ("GPIOA", 6, Role::Device(2, UP)),
+    ("GPIOA", 7, Role::Device(2, UP)),
+    ("GPIOA", 8, Role::Device(1, FREE)),
+    ("GPIOA", 9, Role::Device(1, FREE)),
+    ("GPIOA", 10, Role::Contact),
+    ("GPIOA", 11, Role::Device(10, FREE)),
+    ("GPIOA", 12, Role::Device(10, FREE)),
+    ("GPIOA", 15, Role::Contact),
+    ("GPIOB", 0, Role::Device(2, UP)),
+    ("GPIOB", 1, Role::Contact),
+    ("GPIOB", 2, Role::Contact),
+    ("GPIOB", 3, Role::Contact),
+    ("GPIOB", 5, Role::Contact),
+    ("GPIOB", 6, Role::Device(2, UP)),
+    ("GPIOB", 7, Role::Device(2, UP)),
+    ("GPIOB", 8, Role::Device(2, UP)),
+    ("GPIOB", 9, Role::Contact),
+    ("GPIOB", 10, Role::Device(7, FREE)),
+    ("GPIOB", 11, Role::Device(7, UP)),
+    ("GPIOB", 12, Role::Device(1, DOWN)),
+    ("GPIOB", 13, Role::Contact),
+    ("GPIOB", 14, Role::Output),
+    ("GPIOB", 15, Role::Contact),
+    ("GPIOC", 0, Role::Analog),
+    ("GPIOC", 1, Role::Analog),
+    ("GPIOC", 2, Role::Analog),
+    ("GPIOC", 3, Role::Analog),
+    ("GPIOC", 4, Role::Analog),
+    ("GPIOC", 5, Role::Analog),
+    ("GPIOC", 6, Role::Device(3, UP)),
+    ("GPIOC", 7, Role::Device(3, UP)),
+    ("GPIOC", 8, Role::Device(3, UP)),
+    ("GPIOC", 9, Role::Contact),
+    ("GPIOC", 10, Role::Output),
+    ("GPIOC", 11, Role::Output),
+    ("GPIOC", 12, Role::Contact),
+    ("GPIOC", 13, Role::Output),
+    ("GPIOD", 2, Role::Output),
 ];
+
+/// The values that the field of a pin has had. A write that changes another pin has zeros there.
+fn field(accesses: &[Access], port: &str, offset: u32, bits: u32, pin: u32) -> Vec<u32> {
+    let fields = written(accesses, port, offset).map(|value| value >> (bits * pin) & ((1 << bits) - 1));
+    let mut fields: Vec<u32> = fields.filter(|field| *field != 0).collect();
+    fields.dedup();
+    fields
+}
+
+fn pin_is_set_up(accesses: &[Access], port: &str, pin: u32, role: Role) {
+    let (mode, pull, function) = match role {
+        Role::Contact => (0b00, DOWN, 0),
+        Role::Output => (0b01, FREE, 0),
+        Role::Analog => (0b11, FREE, 0),
+        Role::Device(function, pull) => (0b10, pull, function),
+    };
+    // AFRL has the pins 0 to 7, and AFRH the others.
+    let (alternate, in_alternate) = if pin < 8 { (0x20, pin) } else { (0x24, pin - 8) };
+    for (what, offset, bits, pin, expected) in [
+        ("mode", 0x00, 2, pin, mode),
+        ("pull", 0x0c, 2, pin, pull),
+        ("function", alternate, 4, in_alternate, function),
+    ] {
+        let expected = Vec::from_iter((expected != 0).then_some(expected));
+        assert_eq!(field(accesses, port, offset, bits, pin), expected, "{port} {pin}: {what}");
+    }
+}
 
 /// Last values written to devices that QEMU does not model: TIM8 as the scale of Y (17.4), and the DAC (14.5).
-const LAST: [(&str, &str, u32, u32); 8] = [
+const LAST: [(&str, &str, u32, u32); 9] = [
     ("timer[8]", "CCMR1", 0x18, 0x5151),
     ("timer[8]", "CCMR2: TI3, filtered, and the trigger", 0x1c, 0x0351),
     ("timer[8]", "CCER", 0x20, 0x1111),
     ("timer[8]", "SMCR: the trigger is TIM2, ITR1 (17.4.3)", 0x08, 1 << 4 | 0b011),
     ("timer[8]", "CR1", 0x00, 1),
+    // 5.4.1: the detector, with its level 7.
+    ("PWR", "CR", 0x00, 0b111 << 5 | 1 << 4),
     ("DAC", "CR: both channels on, without a trigger", 0x00, 1 << 16 | 1),
     ("DAC", "DHR12R1: 0 V", 0x08, 2048),
     ("DAC", "DHR12R2: 0 V", 0x14, 2048),
@@ -170,10 +219,8 @@ fn the_start_up_writes_the_table() {
         let sets = written(&accesses, device, offset).any(|value| value & bits == bits);
         assert!(sets, "{device} {what}: bits {bits:#x} at {offset:#x}");
     }
-    for (device, bit) in PULLED_DOWN {
-        // An input (MODER 00, the state after a reset but for PB3 and PA15) with a pull-down.
-        let sets = written(&accesses, device, 0x0c).any(|value| value >> (2 * bit) & 0b11 == 0b10);
-        assert!(sets, "pin {bit} of {device} is not pulled down");
+    for (port, pin, role) in PINS {
+        pin_is_set_up(&accesses, port, pin, role);
     }
     for (device, what, offset, value) in LAST {
         let last = written(&accesses, device, offset).last();

@@ -111,3 +111,48 @@ impl<const N: usize> Path<N> {
         self.followers = Followers::NONE;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interpolate::Block;
+    use crate::units::Position;
+
+    const SETTINGS: FollowSettings = FollowSettings {
+        input: 0,
+        distance_m: 5e-3,
+        counts: 4000,
+        speed_m_per_s: 0.05,
+        acceleration_m_per_s2: 2.0,
+        lag_m: 10e-3,
+    };
+
+    fn path() -> Path<2> {
+        Path::new([Position(0); 2], 4000.0)
+    }
+
+    /// From rest only, and while others follow; within the travel, its ends included.
+    #[test]
+    fn an_axis_engages_at_rest_within_its_travel() {
+        let mut moving = path();
+        moving.push(&Block::line([0.01, 0.0], 0.1, 1.0)).unwrap();
+        assert_eq!(moving.engage(0, 7, &SETTINGS, 1 << 20), Err(FollowError::Moving));
+        let mut second = path();
+        assert!(
+            second.is_planned() && second.engage(0, 7, &SETTINGS, 1 << 20).is_ok() && !second.is_planned()
+        );
+        assert_eq!(second.engage(0, 7, &SETTINGS, 1 << 20), Err(FollowError::Engaged));
+        assert!(second.engage(1, 7, &SETTINGS, 1 << 20).is_ok());
+        second.brake(1 << 20);
+        assert_eq!(second.engage(1, 7, &SETTINGS, 1 << 20), Err(FollowError::Moving));
+        for ([least, greatest], is_within) in
+            [([0, 100], true), ([-100, 0], true), ([1, 100], false), ([-100, -1], false)]
+        {
+            let mut path = path();
+            path.set_travel([[Position(least), Position(greatest)]; 2]);
+            let error = FollowError::from(PathError::BeyondTravel { axis: 1 });
+            let expected = if is_within { Ok(()) } else { Err(error) };
+            assert_eq!(path.engage(1, 7, &SETTINGS, 1 << 20), expected, "{least} {greatest}");
+        }
+    }
+}

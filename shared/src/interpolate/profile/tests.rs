@@ -110,6 +110,59 @@ proptest! {
     }
 }
 
+proptest! {
+    /// d + v·t + a·t²/2 + j·t³/6, and its derivatives, within a tick: the products of the part are rounded to 2⁻³² of a value.
+    #[test]
+    fn a_motion_advances_by_a_part_of_a_tick(
+        v in -1e9..1e9f64, a in -1e6..1e6f64, j in -1e6..1e6f64, part in 1u32..u32::MAX,
+    ) {
+        #[expect(clippy::cast_possible_truncation, reason = "below 2⁹⁴")]
+        let [velocity, acceleration, jerk_sixth] = [v, a, j / 6.0].map(|value| (value * ONE) as i128);
+        let mut motion = Motion { distance: 0, velocity, acceleration };
+        motion.advance_by(jerk_sixth, part);
+        let t = f64::from(part) / 4_294_967_296.0;
+        for (found, exact, scale) in [
+            (motion.distance, t * (v + t * (a / 2.0 + t * j / 6.0)), v.abs() + a.abs() + j.abs()),
+            (motion.velocity, v + t * (a + t * j / 2.0), v.abs() + a.abs() + j.abs()),
+            (motion.acceleration, a + t * j, a.abs() + j.abs()),
+        ] {
+            prop_assert!((found as f64 / ONE - exact).abs() <= 1e-9 * scale + 1e-6, "{}: {exact}", found as f64 / ONE);
+        }
+    }
+
+    /// In parts of ticks, as with an override, a curve ends after its duration, whatever the parts.
+    #[test]
+    fn a_curve_ends_after_its_duration_in_parts_of_ticks(ticks in 1.0..20.0f64, part in TICK / 7..TICK) {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below 2⁵²")]
+        let limits = Limits::new(1 << 40, ((1u64 << 40) as f64 / ticks) as u64, Some(((1u64 << 40) as f64 / ticks / ticks) as u64));
+        let profile = Profile::plan(1 << 30, 0, 0, &limits).unwrap();
+        let duration = profile.durations.iter().sum::<u64>();
+        let mut progress = started(&profile);
+        let mut elapsed = 0;
+        let beyond = loop {
+            elapsed += part;
+            match profile.advance(&mut progress, part) {
+                Step::Within(_) => prop_assert!(elapsed < duration + TICK, "no end"),
+                Step::Beyond(time) => break time,
+            }
+        };
+        prop_assert_eq!(elapsed - beyond, duration);
+    }
+}
+
+/// A ramp of the greatest duration is refused at either end, with the other one short.
+#[test]
+fn a_long_ramp_is_refused_at_either_end() {
+    let long = Ramp { rise: 0, hold: crate::interpolate::ramp::MAX_RAMP_TICKS << 32 };
+    let short = Ramp { rise: 0, hold: TICK };
+    for (up, down) in [(long, short), (short, long)] {
+        let durations = Durations { up, cruise: 0, down };
+        assert_eq!(Profile::with_durations(1 << 40, 0, 0, &durations).err(), Some(PathError::TooLong));
+    }
+    let durations = Durations { up: short, cruise: 0, down: short };
+    assert!(Profile::with_durations(1 << 40, 0, 0, &durations).is_ok());
+}
+
 /// If neither feed nor acceleration is reached, four segments of duration T cover 2JT³: 2·1000·100³ = 2·10⁹ units take 400
 /// ticks.
 #[test]

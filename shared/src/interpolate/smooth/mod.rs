@@ -321,6 +321,52 @@ mod tests {
 
     use super::*;
 
+    const RATE_HZ: f64 = 4000.0;
+
+    /// Times of less than two ticks are none.
+    #[test]
+    fn a_mean_of_one_tick_is_no_filter() {
+        for ticks in [0.0, 1.0] {
+            assert_eq!(
+                Filter::new(&Smoothing::Trapezoid { time_s: ticks / RATE_HZ }, RATE_HZ),
+                Ok(Filter::Pass)
+            );
+        }
+        assert!(
+            Filter::new(&Smoothing::Trapezoid { time_s: 2.0 / RATE_HZ }, RATE_HZ)
+                .is_ok_and(|f| f != Filter::Pass)
+        );
+    }
+
+    /// By the documentation of [`Filter::rounding`]: T/8 and T²/48 for a mean over 40 ticks, (T₁ + T₂²/(3T₁))/8 and (T₁² + T₂²)/48 for 40 and
+    /// 20; τ/e and τ²/e for a lag of 25 ticks, whose α has an error of 1/(2τ).
+    #[test]
+    fn the_rounding_of_a_corner_is_that_of_the_filter() {
+        let rounding = |smoothing| Filter::new(&smoothing, RATE_HZ).unwrap().rounding();
+        let near = |q16: u64, exact: f64, relative: f64| {
+            let found = q16 as f64 / 65_536.0;
+            assert!((found - exact).abs() <= relative * exact + 1e-4, "{found}, {exact}");
+        };
+        let (time_s, jerk_time_s) = (40.0 / RATE_HZ, 20.0 / RATE_HZ);
+        for (smoothing, t2) in
+            [(Smoothing::Trapezoid { time_s }, 0.0), (Smoothing::SCurve { time_s, jerk_time_s }, 20.0f64)]
+        {
+            let CornerRounding { deviation, deviation_by_acceleration, stretch, rise, window } =
+                rounding(smoothing);
+            near(deviation, (40.0 + t2 * t2 / 120.0) / 8.0, 0.0);
+            near(deviation_by_acceleration, (1600.0 + t2 * t2) / 48.0, 0.0);
+            near(stretch, 40.0, 0.0);
+            near(rise, t2.max(1.0), 0.0);
+            near(window, 40.0 + t2, 0.0);
+        }
+        let lag = rounding(Smoothing::Exponential { time_constant_s: 25.0 / RATE_HZ });
+        near(lag.deviation, 25.0 / core::f64::consts::E, 0.03);
+        near(lag.deviation_by_acceleration, 625.0 / core::f64::consts::E, 0.05);
+        near(lag.stretch, 25.0, 0.03);
+        near(lag.window, 25.0, 0.03);
+        near(lag.rise, 1.0, 0.0);
+    }
+
     proptest! {
         /// The upper word of the reciprocal alone divides a positive word, and is rounded up by less than one: for n up to 2¹⁶ the
         /// excess, x/2³², does not reach the next multiple below n·2¹⁶. The products of the lower words are omitted, less than

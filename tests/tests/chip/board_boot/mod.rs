@@ -182,6 +182,20 @@ fn a_supply_beyond_its_limits_is_a_fault_with_its_name() {
     }
 }
 
+/// A low supply of the chip itself is a stop, in the next tick, for as long as it lasts.
+#[test]
+fn a_low_supply_of_the_chip_stops_the_drives() {
+    let (mut chip, mut host) = enabled_by_a_host();
+    chip.inputs.as_mut().unwrap().low_supply = true;
+    let ticks = chip.ticks();
+    assert_eq!(chip.run(ticks + 2), Ok(End::Ticked), "{}", chip.diagnostics());
+    assert_eq!(power_stages(&chip.log.accesses()), [false; 2]);
+    host.send(&Request::Status);
+    assert_eq!(chip.run(ticks + 60), Ok(End::Ticked), "{}", chip.diagnostics());
+    let Some(Reply::Status(status)) = host.reply() else { panic!("no status") };
+    assert_eq!(status.power, Power::Faulted(Fault::HardwareStop));
+}
+
 /// The writes to PD2 of the brakes: high opens them.
 fn brakes_open(chip: &Chip) -> Vec<bool> {
     let writes = chip.log.accesses();
@@ -219,7 +233,13 @@ fn a_hard_fault_or_nmi_switches_the_power_stages_off() {
         let (mut chip, _host) = enabled_by_a_host();
         // Several rounds of the handler's loop.
         chip.enter_handler(exception, 100).unwrap();
-        assert_eq!(power_stages(&chip.log.accesses()), [false, false]);
+        let accesses = chip.log.accesses();
+        assert_eq!(power_stages(&accesses), [false, false]);
+        // The start-up and the handler set 0 V; 14.5.3 and 14.5.6.
+        for register in [0x08, 0x14] {
+            let written: Vec<u32> = written(&accesses, "DAC", register).collect();
+            assert!(written.len() >= 2 && written.iter().all(|counts| *counts == 2048), "{written:?}");
+        }
     }
 }
 

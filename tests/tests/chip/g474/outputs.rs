@@ -23,7 +23,7 @@ fn analogue_outputs_are_those_of_their_axis() {
     assert_eq!([DHR12R1, DHR12R2].map(|address| board.model.word(address)), [3000, 4095]);
 }
 
-/// The brakes follow the program, and close with the cut, which also switches the outputs off.
+/// The brakes follow the program, and close with the cut, which also switches the outputs off and sets 0 V.
 #[test]
 fn the_cut_switches_off_what_is_on() {
     let mut board = Board::enabled(Port::Serial);
@@ -31,7 +31,10 @@ fn the_cut_switches_off_what_is_on() {
         board.parts.hardware.set_brakes_open(open);
         assert_eq!(are_brakes_open(&board), open);
     }
+    board.parts.hardware.set_signals([DriveSignal::Analog(3000), DriveSignal::Analog(1000)]);
     cut(board.model);
+    // 0 V behind the stage.
+    assert_eq!([DHR12R1, DHR12R2].map(|address| board.model.word(address)), [2048; 2]);
     assert_eq!((board.outputs(), are_brakes_open(&board)), ([false; 2], false));
 }
 

@@ -212,6 +212,54 @@ fn a_master_that_is_too_fast_ends_it() {
 }
 
 /// A stop decelerates at once with the declared deceleration: 20 mm/s in 40 ms, over 0.4 mm.
+/// A lag of exactly the limit is none too many; a unit more is.
+#[test]
+fn the_lag_may_be_its_limit() {
+    let lag_m = 1e-3;
+    let limit = 1_000_000 * PER_NM;
+    for (excess, expected) in [(0, None), (1, Some(Ending::Lag))] {
+        let mut run = Run::new(&FollowSettings { lag_m, ..SETTINGS });
+        // The first tick moves the setpoint by a count; the command is set where the lag is then what it is to be.
+        let mut command = START + (COUNT - limit - excess);
+        assert_eq!(
+            run.follower.step(run.count.wrapping_add(1), &mut command, UNLIMITED),
+            expected,
+            "{excess}"
+        );
+    }
+}
+
+/// v²/2a from the end of the travel, and not a unit less, in either direction; outwards beyond the end not at all, at rest always. The tick
+/// itself takes its way and up to a unit, forwards as that is what is left of it, and backwards as the way is rounded away from the start.
+#[test]
+fn it_can_stop_within_what_remains_of_the_travel() {
+    let run = Run::new(&SETTINGS);
+    let deceleration = run.follower.config.deceleration;
+    assert_eq!(deceleration % 65_536, 0);
+    // (1000 a)²/2a, and the way of the tick, without fractions.
+    let velocity = 1000 * deceleration;
+    let (way, tick) = (500_000 * deceleration / 65_536, velocity / 65_536);
+    for (margin, can) in [(1, true), (0, false)] {
+        let travel = [Position(i64::MIN), Position(way + tick + margin)];
+        assert_eq!(run.follower.can_stop(velocity, Position(0), travel), can, "{margin}");
+    }
+    for (margin, can) in [(0, true), (-1, false)] {
+        let travel = [Position(-(way + tick + margin)), Position(i64::MAX)];
+        assert_eq!(run.follower.can_stop(-velocity, Position(0), travel), can, "{margin}");
+    }
+    let beyond = [Position(-2_000_000), Position(-1_000_000)];
+    assert!(run.follower.can_stop(0, Position(0), beyond));
+    assert!(!run.follower.can_stop(1 << 16, Position(0), beyond));
+}
+
+/// The counter is that of its settings.
+#[test]
+fn it_has_the_input_of_its_settings() {
+    for input in [0, 1] {
+        assert_eq!(Run::new(&FollowSettings { input, ..SETTINGS }).follower.input(), input);
+    }
+}
+
 #[test]
 fn a_stop_is_final() {
     let mut run = Run::new(&SETTINGS);
