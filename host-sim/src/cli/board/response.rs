@@ -23,6 +23,7 @@ use plant::instruments::Instruments;
 use shared::capture::{CaptureState, Trigger};
 use shared::config::{AxisSettings, Rates};
 use shared::excitation::ExcitationSettings;
+use shared::link::Refusal;
 use shared::link::message::Request;
 use shared::link::report::Activity;
 use shared::safety::Power;
@@ -92,6 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let plan = Plan::new(&range, tick_hz).map_err(of_option)?;
     consent::ask(&consequence(arguments), arguments.yes)?;
     stop::write_partial_result();
+    check_force(&mut client, &plan, axis, arguments.force_n)?;
     client.enable()?;
     stop::check_before_motion()?;
     let measured = measure(&mut client, arguments, axis, (&plan, &declared));
@@ -188,6 +190,23 @@ impl Declared {
     }
 }
 
+/// Lets the board check the forces before the drives are on: those that it accepts are refused as the drives are off.
+fn check_force(client: &mut Client, plan: &Plan, axis: u8, force_n: f64) -> Result<()> {
+    if client.status()?.power.is_on() {
+        return Ok(());
+    }
+    for group in &plan.groups {
+        let refused = client.command(&Request::Excite(plan.excitation(group, axis, force_n)));
+        if let Err(BoardError::Refused(
+            Refusal::Setting { .. } | Refusal::Excitation(_) | Refusal::NoSuchAxis,
+        )) = refused
+        {
+            return Ok(refused?);
+        }
+    }
+    Ok(())
+}
+
 /// Measures every group of tones. Points in ascending order.
 fn measure(
     client: &mut Client,
@@ -208,7 +227,7 @@ fn measure(
             records.push(record(client, &excitation)?);
         }
         let lines = spectrum::lines(&excitation, &records, tick_hz)
-            .map_err(|problem| BoardError::Refused(shared::link::Refusal::Excitation(problem)))?;
+            .map_err(|problem| BoardError::Refused(Refusal::Excitation(problem)))?;
         points.extend(lines.iter().map(|line| Point::of(line, &declared.settings, declared.rates)));
     }
     points.sort_by(|one, other| one.frequency_hz.total_cmp(&other.frequency_hz));

@@ -126,6 +126,8 @@ fn a_response_beyond_the_envelope_is_refused_and_another_program_stops_one() {
         refused.contains("y: excitation_limit_n: 121 is above 120, the ceiling of this board"),
         "{refused}"
     );
+    // Before the drives were switched on.
+    board.status_with(&["drives: off; the enable switch permits an enable"]);
     for (options, option) in [
         ("--force-n 0", "--force-n"),
         ("--force-n 50 --from-hz 1", "--from-hz"),
