@@ -13,7 +13,7 @@
 //! | statistics of all cases | [`summary`], [`confusion`] |
 //! | how often an effect of a given size is found | [`detection`], [`detection_curve`], [`detection_text`], `detection_plot` |
 //! | a law that no effect describes, and whether it is found | [`law`], [`law_case`] |
-//! | a log that is too short, and whether a planned motion decides | [`plan_case`] |
+//! | a log that is too short, and whether a planned motion decides | [`plan_case`], [`plan_summary`] |
 //! | text and page | [`text_summary`], [`page`], `kind_table`, `confusion_plot`, `parameter_plot` |
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -52,6 +52,7 @@ pub mod page;
 mod parameter_plot;
 pub mod pickup;
 pub mod plan_case;
+pub mod plan_summary;
 pub mod plant;
 pub mod recording;
 pub mod scale;

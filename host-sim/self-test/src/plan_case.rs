@@ -9,7 +9,6 @@ use super::machine::AXES;
 use super::motion::{Pace, Segment, sampled};
 use super::servo::SAMPLE_S;
 use super::simulation;
-use super::text_summary::counted;
 use super::truth::Truth;
 use files::error::InputError;
 use files::log::Log;
@@ -38,8 +37,8 @@ pub struct PlanCase {
     truths: Vec<Truth>,
     declared: Machine,
     log: Log,
-    /// Duration of the three motions that a session fits, s.
-    session_s: f64,
+    /// The three motions that a session fits.
+    session: Vec<Log>,
 }
 
 /// What became of the questions of a machine.
@@ -55,6 +54,10 @@ pub struct PlanOutcome {
     pub duration_s: Option<f64>,
     /// Duration of the three motions that a session fits, s.
     pub session_s: f64,
+    /// Whether the logs of these decide them, rightly.
+    pub is_session_right: bool,
+    /// Width of the intervals with the planned motion over that with the session: of each value that both find.
+    pub widths: Vec<f64>,
     /// Whether the plan says that its motion decides all questions.
     pub is_promised: bool,
     /// Whether the log of the planned motion decides them, rightly.
@@ -72,15 +75,14 @@ impl PlanCase {
     /// As [`Case::draw`].
     pub fn draw(seed: u64, number: u64) -> Result<Self, InputError> {
         let Session { drawn, motions, truths, .. } = Session::draw(Kind::Textbook, seed, number);
-        let logs = run_session(&drawn, &motions[..1], |log| noise(seed, number, log));
-        let lengths = motions[..3].iter().map(|one| sampled(one.start, &one.segments, one.pace).len());
-        let session_s = SAMPLE_S * lengths.sum::<usize>() as f64;
-        let Case { machine, fit, .. } = Case::new((Kind::Textbook, number), &drawn, Vec::new(), logs)?;
-        let log = fit.first().map_or_else(
+        let logs = run_session(&drawn, &motions[..3], |log| noise(seed, number, log));
+        let Case { machine, fit: session, .. } =
+            Case::new((Kind::Textbook, number), &drawn, Vec::new(), logs)?;
+        let log = session.first().map_or_else(
             || Err(InputError::expected("self-test", "a log".to_owned(), "none")),
             |log| Ok(log.slice(0..SHORT.min(log.len()))),
         )?;
-        Ok(Self { number, seed, drawn, truths, declared: machine, log, session_s })
+        Ok(Self { number, seed, drawn, truths, declared: machine, log, session })
     }
 
     /// Traces the short log, plans, runs and traces the planned motion; `None` if the short log leaves no question.
@@ -104,7 +106,8 @@ impl PlanCase {
         let plan = plan::plan(&planning, progress);
         let motion = plan.motion.as_ref().and_then(|candidate| candidate.motion.motion());
         let traced = motion.map(|motion| self.traced(motion, progress)).transpose()?;
-        Ok(Some(self.outcome(&plan, traced.as_ref())))
+        let session = self.traced_logs(&self.session, progress)?;
+        Ok(Some(self.outcome(&plan, traced.as_ref(), &session)))
     }
 
     /// The JSON of a trace of the short log and that of a motion on the machine, both on one clock.
@@ -112,33 +115,19 @@ impl PlanCase {
         let mut random = noise(self.seed, self.number, 1);
         let start_s = SAMPLE_S * SHORT as f64 + PAUSE_S;
         let log = simulation::run(&self.drawn.axes, &positions(motion), start_s, &mut random);
-        let trace = trace::trace(&self.declared, &[self.log.clone(), log], &[], progress)?;
+        self.traced_logs(&[self.log.clone(), log], progress)
+    }
+
+    fn traced_logs(&self, logs: &[Log], progress: &(dyn Fn(&str) + Sync)) -> Result<Value, InputError> {
+        let trace = trace::trace(&self.declared, logs, &[], progress)?;
         Ok(trace::json::Document::of(&trace, &[], false).value())
     }
 
-    fn outcome(&self, plan: &Plan, traced: Option<&Value>) -> PlanOutcome {
-        let found = traced.and_then(|trace| trace["effects"].as_array().cloned()).unwrap_or_default();
-        let has =
-            |axis: &str, name: &str| self.truths.iter().any(|truth| truth.axis == axis && truth.name == name);
-        let is_certain = |axis: &str, name: &str| {
-            found
-                .iter()
-                .any(|one| one["axis"] == axis && one["name"] == name && one["certainty"] == "certain")
-        };
-        // A candidate that is not there must not be named at all; one that is there must be certain.
-        let is_right = |axis: &str, name: &str| {
-            let is_named = found.iter().any(|one| one["axis"] == axis && one["name"] == name);
-            if has(axis, name) { is_certain(axis, name) } else { !is_named }
-        };
-        let decided =
-            |question: &Question| question.names().into_iter().all(|name| is_right(&question.axis, name));
-        let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
-        let certain = found.iter().filter(|one| one["certainty"] == "certain");
-        let false_names: Vec<String> = certain
-            .map(|one| (text(&one["axis"]), text(&one["name"])))
-            .filter(|(axis, name)| !has(axis, name))
-            .map(|(axis, name)| format!("{axis}: {name}"))
-            .collect();
+    fn outcome(&self, plan: &Plan, traced: Option<&Value>, session: &Value) -> PlanOutcome {
+        let found = traced.map(effects_of).unwrap_or_default();
+        let false_names = self.false_names(&found);
+        let at_session = effects_of(session);
+        let session_s = SAMPLE_S * self.session.iter().map(Log::len).sum::<usize>() as f64;
         PlanOutcome {
             number: self.number,
             questions: plan
@@ -148,12 +137,54 @@ impl PlanCase {
                 .collect(),
             truths: self.truths.iter().map(|truth| format!("{}: {}", truth.axis, truth.name)).collect(),
             duration_s: plan.motion.as_ref().map(|candidate| candidate.seconds),
-            session_s: self.session_s,
+            session_s,
+            is_session_right: self.decides(plan, &at_session),
+            widths: self.width_ratios(&found, &at_session),
             is_promised: (0..plan.questions.len()).all(|question| plan.decides(question)),
-            is_decided: traced.is_some() && plan.questions.iter().all(decided) && false_names.is_empty(),
+            is_decided: traced.is_some() && self.decides(plan, &found),
             false_names,
             is_within_promise: plan.expected.iter().filter_map(|one| self.is_within(one, &found)).collect(),
         }
+    }
+
+    fn has(&self, axis: &str, name: &str) -> bool {
+        self.truths.iter().any(|truth| truth.axis == axis && truth.name == name)
+    }
+
+    /// Whether effects that were found decide all questions rightly: a candidate that is not there must not be named at all, one that is there
+    /// must be certain, and nothing may be certain that is not there.
+    fn decides(&self, plan: &Plan, found: &[Value]) -> bool {
+        let is_right = |axis: &str, name: &str| {
+            let mut named = found.iter().filter(|one| one["axis"] == axis && one["name"] == name);
+            if self.has(axis, name) { named.any(is_certain) } else { named.next().is_none() }
+        };
+        let decided =
+            |question: &Question| question.names().into_iter().all(|name| is_right(&question.axis, name));
+        plan.questions.iter().all(decided) && self.false_names(found).is_empty()
+    }
+
+    /// Effects that are stated as certain and that the machine does not have.
+    fn false_names(&self, found: &[Value]) -> Vec<String> {
+        let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+        let certain = found.iter().filter(|one| is_certain(one));
+        certain
+            .map(|one| (text(&one["axis"]), text(&one["name"])))
+            .filter(|(axis, name)| !self.has(axis, name))
+            .map(|(axis, name)| format!("{axis}: {name}"))
+            .collect()
+    }
+
+    /// Width of the intervals in one trace over that in another: of each value of a true effect that both state as certain.
+    fn width_ratios(&self, one: &[Value], other: &[Value]) -> Vec<f64> {
+        let width = |found: &[Value], truth: &Truth, key: &str| {
+            let is_same = |one: &&Value| one["axis"] == truth.axis && one["name"] == truth.name;
+            let ends = &found.iter().filter(|one| is_certain(one)).find(is_same)?["parameters"][key]["ci95"];
+            Some(ends[1].as_f64()? - ends[0].as_f64()?).filter(|width| *width > 0.0)
+        };
+        let ratio = |(truth, key): (&Truth, &str)| Some(width(one, truth, key)? / width(other, truth, key)?);
+        let values =
+            self.truths.iter().flat_map(|truth| truth.parameters.iter().map(move |(key, _)| (truth, *key)));
+        values.filter_map(ratio).collect()
     }
 
     /// Whether a true value is within the promised interval around the one found; `None` if the machine does not have the effect, or the
@@ -169,6 +200,15 @@ impl PlanCase {
         let value = same["parameters"][expected.key]["value"].as_f64()?;
         Some((value - truth.1).abs() <= half_width)
     }
+}
+
+/// The effects of the JSON of a trace.
+fn effects_of(trace: &Value) -> Vec<Value> {
+    trace["effects"].as_array().cloned().unwrap_or_default()
+}
+
+fn is_certain(found: &Value) -> bool {
+    found["certainty"] == "certain"
 }
 
 fn noise(seed: u64, number: u64, log: u64) -> rand_chacha::ChaCha8Rng {
@@ -212,56 +252,14 @@ impl PlanOutcome {
             "questions": self.questions,
             "duration_s": self.duration_s,
             "session_s": self.session_s,
+            "is_session_right": self.is_session_right,
+            "widths": self.widths,
             "is_promised": self.is_promised,
             "is_decided": self.is_decided,
             "false": self.false_names,
             "is_within_promise": self.is_within_promise,
         })
     }
-}
-
-/// The summary of the cases: sentences.
-#[must_use]
-pub fn summary(seed: u64, drawn: usize, outcomes: &[PlanOutcome]) -> String {
-    let count = |is: &dyn Fn(&PlanOutcome) -> bool| outcomes.iter().filter(|outcome| is(outcome)).count();
-    let n = outcomes.len();
-    let durations: Vec<f64> = outcomes.iter().filter_map(|outcome| outcome.duration_s).collect();
-    let sessions: Vec<f64> = outcomes.iter().map(|outcome| outcome.session_s).collect();
-    let promised = count(&|outcome| outcome.is_promised);
-    let kept = count(&|outcome| outcome.is_promised && outcome.is_decided);
-    let wrong = count(&|outcome| !outcome.false_names.is_empty());
-    let intervals = outcomes.iter().flat_map(|outcome| &outcome.is_within_promise);
-    let within = intervals.clone().filter(|is| **is).count();
-    let mut lines = vec![
-        format!(
-            "{drawn} machines drawn from seed {seed}, each with 3 s of a circle; {n} of them leave a question."
-        ),
-        format!(
-            "One planned motion decides {} of {n}, rightly; of {} that it was to decide by the plan, {kept}.",
-            count(&|outcome| outcome.is_decided),
-            counted(promised, "machine"),
-        ),
-        format!("A false effect is stated as certain on {wrong}."),
-        format!("{within} of {} promised intervals contain the true value.", intervals.count()),
-        format!(
-            "The planned motions last {:.1} s in the median, at most {:.1} s; the three motions of a session {:.1} s.",
-            numerics::quantile(&durations, 0.5),
-            numerics::quantile(&durations, 1.0),
-            numerics::quantile(&sessions, 0.5),
-        ),
-    ];
-    for outcome in outcomes.iter().filter(|outcome| !outcome.is_decided) {
-        let questions: Vec<String> = outcome.questions.iter().map(Value::to_string).collect();
-        lines.push(format!(
-            "case {}: true {}; asked {}; {}{}",
-            outcome.number,
-            if outcome.truths.is_empty() { "nothing".to_owned() } else { outcome.truths.join(", ") },
-            questions.join(", "),
-            if outcome.is_promised { "promised" } else { "not promised" },
-            outcome.false_names.iter().map(|name| format!("; false and certain: {name}")).collect::<String>(),
-        ));
-    }
-    lines.join("\n")
 }
 
 #[cfg(test)]

@@ -15,7 +15,8 @@ use self_test::detection::{Detection, SizedCase, detect};
 use self_test::detection_curve::Curve;
 use self_test::kind::{Kind, Kinds};
 use self_test::law_case::{self, LawCase, LawOutcome};
-use self_test::plan_case::{self, PlanCase, PlanOutcome};
+use self_test::plan_case::{PlanCase, PlanOutcome};
+use self_test::plan_summary;
 use self_test::score::Outcome;
 use self_test::summary::Summary;
 use self_test::{detection_curve, detection_text, text_summary};
@@ -242,7 +243,7 @@ fn run_plans(arguments: &Arguments) -> Result<()> {
     let outcomes: Vec<PlanOutcome> = results.done.iter().flatten().cloned().collect();
     let cases: Vec<_> = outcomes.iter().map(PlanOutcome::json).collect();
     write_json(arguments.json.as_ref(), &serde_json::json!({"seed": seed, "cases": cases}))?;
-    let summary = plan_case::summary(seed, results.done.len(), &outcomes);
+    let summary = plan_summary::summary(seed, results.done.len(), &outcomes);
     print_summary(arguments, &[&summary], &results.seconds, None)?;
     ended(&results)
 }
