@@ -134,8 +134,10 @@ mod tests {
         /// greatest that is allowed, to 2e-4, the rounding of √¾ and of the small values among these.
         #[test]
         fn an_arc_has_the_greatest_feed_and_acceleration(
-            feed in 1e4..1e6f64, acceleration in 1e2..1e4f64, jerk in prop::option::of(1.0..1e3f64), radius in 1e7..1e11f64,
+            feed in 4.0..6.0f64, acceleration in 2.0..4.0f64, jerk in prop::option::of(-1.0..3.0f64), radius in 7.0..11.0f64,
         ) {
+            let [feed, acceleration, radius] = [feed, acceleration, radius].map(|power| 10f64.powf(power));
+            let jerk = jerk.map(|power| 10f64.powf(power));
             #[expect(clippy::cast_possible_truncation, reason = "below 2⁵³")]
             let limits = Limits::new(q16(feed), q16(acceleration), jerk.map(q16)).on_arc(radius as i64);
             let available = acceleration * 15.0 / 16.0;

@@ -75,6 +75,15 @@ impl<F: NorFlash> SettingsMemory<F> {
         self.draft = None;
     }
 
+    /// Whether there is a record with settings that could be committed.
+    ///
+    /// # Errors
+    /// [`Refusal::NothingToSave`]; nothing has changed.
+    pub(super) fn check_draft(&self) -> Result<(), Refusal> {
+        let is_complete = self.draft.as_ref().is_some_and(|draft| draft.has_settings);
+        if is_complete { Ok(()) } else { Err(Refusal::NothingToSave) }
+    }
+
     /// Makes the record that is being written the newest one. Returns its number.
     pub(super) fn commit(&mut self) -> Result<u32, Refusal> {
         let draft = self.draft.take().filter(|draft| draft.has_settings).ok_or(Refusal::NothingToSave)?;

@@ -364,11 +364,27 @@ impl<F: NorFlash> Rig<F> {
         self.send(Header { session: self.session, sequence: self.sequence }, request)
     }
 
+    /// Why a request is refused. It has changed nothing but what the ticks of its transmission do.
     pub fn refusal(&mut self, request: &Request) -> Refusal {
-        match self.request(request) {
-            Reply::Refused(refusal) => refusal,
-            reply => panic!("{reply:?}"),
-        }
+        let state = |rig: &Self| {
+            let status = rig.drive.status(Default::default(), Default::default());
+            let is_held = status.at_rest && status.power.is_on();
+            let at_rest = is_held.then(|| status.axes.iter().map(|axis| axis.command).collect::<Vec<_>>());
+            let homed: Vec<_> = status.axes.iter().map(|axis| axis.homed).collect();
+            (
+                status.power,
+                status.not_armed,
+                status.activity,
+                status.feed_override.percent,
+                status.capture,
+                at_rest,
+                homed,
+            )
+        };
+        let before = state(self);
+        let Reply::Refused(refusal) = self.request(request) else { panic!("not refused: {request:?}") };
+        assert_eq!(state(self), before, "{refusal:?}");
+        refusal
     }
 
     /// The state of both axes.

@@ -118,6 +118,10 @@ proptest! {
     ) {
         #[expect(clippy::cast_possible_truncation, reason = "below 2⁹⁴")]
         let [velocity, acceleration, jerk_sixth] = [v, a, j / 6.0].map(|value| (value * ONE) as i128);
+        let mut whole = Motion { distance: 5, velocity, acceleration };
+        whole.advance(jerk_sixth, TICK);
+        prop_assert_eq!(whole.distance, 5 + velocity + (acceleration >> 1) + jerk_sixth);
+        prop_assert_eq!((whole.velocity, whole.acceleration), (velocity + acceleration + 3 * jerk_sixth, acceleration + 6 * jerk_sixth));
         let mut motion = Motion { distance: 0, velocity, acceleration };
         motion.advance_by(jerk_sixth, part);
         let t = f64::from(part) / 4_294_967_296.0;

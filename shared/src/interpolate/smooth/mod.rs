@@ -338,6 +338,16 @@ mod tests {
         );
     }
 
+    /// The window has 512 ticks.
+    #[test]
+    fn the_longest_filter_fills_the_window() {
+        let new = |ticks: f64| Filter::new(&Smoothing::Trapezoid { time_s: ticks / RATE_HZ }, RATE_HZ);
+        assert!(new(512.0).is_ok());
+        for ticks in [513.0, 600.0] {
+            assert_eq!(new(ticks), Err(PathError::TooLarge(Field::Smoothing)));
+        }
+    }
+
     /// By the documentation of [`Filter::rounding`]: T/8 and T²/48 for a mean over 40 ticks, (T₁ + T₂²/(3T₁))/8 and (T₁² + T₂²)/48 for 40 and
     /// 20; τ/e and τ²/e for a lag of 25 ticks, whose α has an error of 1/(2τ).
     #[test]

@@ -38,6 +38,10 @@ impl<const N: usize> ServerState<N> {
         access: &mut Access<'_, D, F>,
     ) -> Result<(), Refusal> {
         let Access { drive, memory } = access;
+        // Before the access, with which every axis loses its reference. Drives that are on are the first reason.
+        if !drive.with(|drive| drive.machine().power().is_on()) {
+            memory.check_draft()?;
+        }
         let number = access_flash(*drive, || memory.commit())?;
         self.report = SettingsReport { source: SettingsSource::Record, stored: StoredRecord::Valid(number) };
         Ok(())
