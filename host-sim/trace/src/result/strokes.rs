@@ -1,17 +1,15 @@
 //! Strokes in which what the terms of a law depend on is different: one axis after the other, where the logs moved both, at two places of the axis at rest, at two
 //! speeds or accelerations, over two lengths, or again after a pause, as the terms ask for.
 
-use files::format::significant;
-use model::residual_law::Term;
-use model::residual_table::TableVariable as V;
-use motion::Lines;
-
 use crate::analysis::law::equation::variable_unit;
 use crate::input::motion_range::MotionRange;
 use crate::input::signals::Signals;
 use crate::options::AdmissionOptions;
+use files::format::significant;
 use files::log::Unit;
-use model::residual_table::first_other;
+use model::residual_law::Term;
+use model::residual_table::{TableVariable as V, first_other};
+use motion::Lines;
 
 /// Fractions of speed or acceleration, where a term depends on it.
 const PACES: [f64; 2] = [0.25, 0.9];
