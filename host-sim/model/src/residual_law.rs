@@ -137,21 +137,47 @@ impl Term {
     /// Its form, with the names of the axis and of the first other one: `x · v_y`.
     #[must_use]
     pub fn form(&self, own: &str, other: &str) -> String {
+        let digits = if matches!(self, Self::Hysteresis { .. }) { 2 } else { 3 };
+        let length = self.length_mm().map(|mm| significant(mm, digits));
+        self.form_with_length(own, other, &length.unwrap_or_default())
+    }
+
+    /// Its form, with its period or distance as a text.
+    #[must_use]
+    pub fn form_with_length(&self, own: &str, other: &str, length: &str) -> String {
         match self {
             Self::Product { of, .. } => {
                 of.iter().map(|variable| symbol(*variable, own, other)).collect::<Vec<_>>().join(" · ")
             }
-            Self::Wave { over, period_mm, .. } => {
-                format!(
-                    "wave over {} with a period of {} mm",
-                    symbol(over.variable(), own, other),
-                    significant(*period_mm, 3)
-                )
+            Self::Wave { over, .. } => {
+                format!("wave over {} with a period of {length} mm", symbol(over.variable(), own, other))
             }
-            Self::Hysteresis { distance_mm, .. } => {
-                format!("hysteresis of {own} over {} mm", significant(*distance_mm, 2))
+            Self::Hysteresis { .. } => format!("hysteresis of {own} over {length} mm"),
+        }
+    }
+
+    /// The period of a wave or the distance of a hysteresis, mm.
+    #[must_use]
+    pub const fn length_mm(&self) -> Option<f64> {
+        match *self {
+            Self::Product { .. } => None,
+            Self::Wave { period_mm: length_mm, .. } | Self::Hysteresis { distance_mm: length_mm, .. } => {
+                Some(length_mm)
             }
         }
+    }
+
+    /// This term with another period or distance, mm; a product has none.
+    #[must_use]
+    pub fn with_length(&self, mm: f64) -> Self {
+        let mut term = self.clone();
+        match &mut term {
+            Self::Product { .. } => {}
+            Self::Hysteresis { distance_mm: length, .. } | Self::Wave { period_mm: length, .. } => {
+                *length = mm;
+            }
+        }
+        term
     }
 
     /// Whether it jumps at a reversal.

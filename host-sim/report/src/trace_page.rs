@@ -108,7 +108,8 @@ fn way(axes: &[AxisIdentification]) -> Markup {
 fn unexplained(axes: &[AxisIdentification], notes: &[String]) -> Markup {
     let of_axis = |axis: &AxisIdentification| {
         let remainders = axis.unexplained.iter().map(|entry| sentences::remainder(axis, entry));
-        let remainders = remainders.chain(axis.laws.iter().map(|law| laws::sentence(axis, law)));
+        let remainders =
+            remainders.chain(axis.laws_with_motions().map(|(law, motion)| laws::sentence(axis, law, motion)));
         let not_testable = axis.not_testable.iter().map(|stage| sentences::not_testable(&axis.axis, stage));
         sentences::open_ends(axis).into_iter().chain(remainders).chain(not_testable).collect::<Vec<_>>()
     };

@@ -82,6 +82,21 @@ fn direction(m_per_s: f64) -> f64 {
 }
 
 impl LawTerm {
+    /// Its coefficients in the result of a trace, µm per unit of its variables (mm, m/s and m/s²): one, or those of cosine and sine of a wave.
+    #[must_use]
+    pub fn coefficients_um(&self) -> Vec<f64> {
+        let um = 1e6 * self.factor;
+        if let Form::OtherWave(_, phase) = self.form {
+            return vec![um * libm::sin(phase), um * libm::cos(phase)];
+        }
+        if let Form::Hysteresis(_) = self.form {
+            return vec![um];
+        }
+        let (_, of) = self.form.described();
+        let positions = of.iter().filter(|name| name.ends_with("position_mm")).count();
+        vec![(0..positions).fold(um, |um, _| 1e-3 * um)]
+    }
+
     /// What the term adds to the tool, m.
     fn at(&self, own: &State, other: &State, memory: f64) -> f64 {
         self.factor

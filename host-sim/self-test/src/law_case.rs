@@ -11,6 +11,7 @@ use super::detection::noise_free;
 use super::draw::{self, Drawn, Motion};
 use super::kind::Kind;
 use super::law::{Form, LawTerm};
+use super::law_intervals::Intervals;
 use super::machine::AXES;
 use files::error::InputError;
 use files::log::Log;
@@ -94,6 +95,10 @@ pub struct LawOutcome {
     pub false_terms: Vec<String>,
     /// Rms that remains on the held-out logs over the noise.
     pub left: Option<f64>,
+    /// Intervals of the coefficients of true terms.
+    pub coefficients: Intervals,
+    /// Intervals of their periods and distances.
+    pub lengths: Intervals,
 }
 
 impl LawOutcome {
@@ -121,6 +126,7 @@ impl LawOutcome {
             false_terms.push(format!("{}: {}", effect["axis"], effect["name"]));
         }
         let is_found = |(truth, _): &(LawTerm, f64)| found.iter().any(|term| is_same(&truth.form, term));
+        let [coefficients, lengths] = intervals(law, &found);
         let of_channel = entries("residual").into_iter().find(is_of_law).unwrap_or_default();
         let of_law =
             entries("laws").into_iter().find(is_of_law).map(|entry| entry["after"]["validate"].as_f64());
@@ -132,6 +138,8 @@ impl LawOutcome {
             found,
             false_terms,
             left: after.zip(of_channel["noise_um"].as_f64()).map(|(after, noise)| after / noise),
+            coefficients,
+            lengths,
         }
     }
 
@@ -145,8 +153,26 @@ impl LawOutcome {
             "is_right": self.is_right,
             "false": self.false_terms,
             "left_over_noise": self.left,
+            "coefficients_in_ci95": [self.coefficients.right, self.coefficients.all],
+            "lengths_in_ci95": [self.lengths.right, self.lengths.all],
         })
     }
+}
+
+/// The intervals of coefficients, and those of periods and distances, of the true terms that were found.
+fn intervals(law: &LawCase, found: &[Value]) -> [Intervals; 2] {
+    let (mut coefficients, mut lengths) = (Intervals::default(), Intervals::default());
+    for (truth, _) in &law.terms {
+        let Some(term) = found.iter().find(|term| is_same(&truth.form, term)) else { continue };
+        let ci95 = term["ci95"].as_array().into_iter().flatten();
+        for (um, interval) in truth.coefficients_um().into_iter().zip(ci95) {
+            coefficients.add(um, interval);
+        }
+        if let Some(mm) = truth.form.length_mm() {
+            lengths.add(mm, &term["length_ci95_mm"]);
+        }
+    }
+    [coefficients, lengths]
 }
 
 fn truth((term, size): &(LawTerm, f64)) -> Value {
@@ -179,6 +205,10 @@ pub fn summary(seed: u64, outcomes: &[LawOutcome]) -> String {
     let right = count(|outcome| outcome.is_right);
     let wrong = count(|outcome| !outcome.false_terms.is_empty());
     let left = count(|outcome| outcome.left.is_some_and(|left| left < 1.3));
+    let of = |counts: fn(&LawOutcome) -> Intervals| {
+        let Intervals { right, all } = Intervals::sum(outcomes.iter().map(counts));
+        format!("{right} of {all}")
+    };
     let mut lines = vec![
         format!(
             "Laws of the tool on {n} machines, seed {seed}, one to three terms of 3 to 100 times the noise:"
@@ -186,7 +216,12 @@ pub fn summary(seed: u64, outcomes: &[LawOutcome]) -> String {
         format!(
             "exactly the true terms on {right} of {n}; a false term or effect stated as certain on {wrong};"
         ),
-        format!("at most 1.3 times the noise left on held-out motions of {left}."),
+        format!("at most 1.3 times the noise left on held-out motions of {left};"),
+        format!(
+            "intervals with the true value: {} of coefficients, {} of periods and distances.",
+            of(|one| one.coefficients),
+            of(|one| one.lengths)
+        ),
     ];
     for outcome in outcomes.iter().filter(|outcome| !outcome.is_right || !outcome.false_terms.is_empty()) {
         let of = |terms: &[Value], key: &str| {
@@ -246,6 +281,17 @@ mod tests {
         let found = crate::law::displacement_m(&hysteresis, &own, &other, &memories);
         // Steps of 1 µm over 4 mm: an error of half a step in the exponent.
         assert!((found - 2.0 * back).abs() < 1e-3, "{found} {back}");
+    }
+
+    /// 2 m per m² are 2 µm per mm²; a wave of 2 m with a phase of 30° is 1 m of cosine.
+    #[test]
+    fn a_coefficient_is_in_the_units_of_a_trace() {
+        let of = |form| LawTerm { form, factor: 2.0 }.coefficients_um();
+        assert!((of(Form::OwnTimesOther)[0] - 2.0).abs() < 1e-12);
+        assert!((of(Form::VelocityTimesOther)[0] - 2e3).abs() < 1e-9);
+        assert!((of(Form::Hysteresis(0.01))[0] - 2e6).abs() < 1e-6);
+        let wave = of(Form::OtherWave(0.02, std::f64::consts::FRAC_PI_6));
+        assert!((wave[0] - 1e6).abs() < 1e-6 && (wave[1] - 1e6 * 3f64.sqrt()).abs() < 1e-6, "{wave:?}");
     }
 
     #[test]

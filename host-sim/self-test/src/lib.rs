@@ -12,8 +12,8 @@
 //! | compare a trace with the true effects | [`score`], [`outside`], [`judgement`] |
 //! | statistics of all cases | [`summary`], [`confusion`] |
 //! | how often an effect of a given size is found | [`detection`], [`detection_curve`], [`detection_text`], `detection_plot` |
-//! | a law that no effect describes, and whether it is found | [`law`], [`law_case`] |
 //! | a log that is too short, and whether a planned motion decides | [`plan_case`], [`plan_summary`] |
+//! | a law that no effect describes, and whether it is found | [`law`], [`law_case`], [`law_intervals`] |
 //! | text and page | [`text_summary`], [`page`], `kind_table`, `confusion_plot`, `parameter_plot` |
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -43,6 +43,7 @@ pub mod kind;
 mod kind_table;
 pub mod law;
 pub mod law_case;
+pub mod law_intervals;
 pub mod machine;
 mod mode;
 pub mod motion;

@@ -51,7 +51,7 @@ fn remarks(trace: &Identification) -> Vec<String> {
     let open = axes().flat_map(sentences::open_ends);
     let residuals = axes().flat_map(|axis| {
         let unexplained = axis.unexplained.iter().map(|residual| sentences::remainder(axis, residual));
-        let found = axis.laws.iter().map(|law| laws::sentence(axis, law));
+        let found = axis.laws_with_motions().map(|(law, refutation)| laws::sentence(axis, law, refutation));
         unexplained
             .chain(found)
             .chain(axis.not_testable.iter().map(|stage| sentences::not_testable(&axis.axis, stage)))

@@ -16,6 +16,8 @@ use contour::log_error::LogError;
 use files::output::write_whole;
 use model::machine::Machine;
 use report::trace_page::{self, Extra};
+use trace::result::distinguishing_motion::Proposal;
+use trace::result::refuting_motion::Refutation;
 use trace::{AxisIdentification, Identification, Request, Task};
 
 /// Arguments that a friction map does not take.
@@ -182,13 +184,17 @@ fn write(arguments: &Arguments, trace: &Identification, extra: &mut Extra) -> Re
     Ok(said)
 }
 
-/// Writes the motion that distinguishes two ambiguous effects best; gives a sentence if there are none.
+/// Writes the motion that distinguishes two ambiguous effects best, or without these the one that would refute a law; gives a sentence if there are none.
 fn propose(trace: &Identification, path: &Path) -> Result<&'static str> {
     let alike = trace.axes().iter().flat_map(AxisIdentification::ambiguities_with_motions);
     let proposals = alike.filter_map(|(_, proposal)| proposal);
-    match proposals.max_by(|a, b| a.difference.total_cmp(&b.difference)) {
-        Some(proposal) => {
-            write_whole(path, |out| out.write_all(proposal.to_toml().as_bytes()))?;
+    let proposal = proposals.max_by(|a, b| a.difference.total_cmp(&b.difference)).map(Proposal::to_toml);
+    let laws = trace.axes().iter().flat_map(AxisIdentification::laws_with_motions);
+    let of_laws = laws.filter_map(|(_, refutation)| refutation);
+    let of_law = || of_laws.max_by(|a, b| a.clarity().total_cmp(&b.clarity())).map(Refutation::to_toml);
+    match proposal.or_else(of_law) {
+        Some(motion) => {
+            write_whole(path, |out| out.write_all(motion.as_bytes()))?;
             Ok("")
         }
         None => Ok("\nNo motion is proposed: no effects are ambiguous in these logs."),

@@ -100,6 +100,14 @@ impl FitData<'_> {
         scope.stages.iter().map(series).collect()
     }
 
+    /// The values of a law over a log, µm or N.
+    #[must_use]
+    pub fn law_values(&self, law: &ResidualLaw, log: usize) -> Vec<f64> {
+        let mut left = vec![0.0; self.logs[log].len()];
+        self.subtract_law(law, log, &mut left);
+        left.into_iter().map(|value| -value).collect()
+    }
+
     /// Subtracts a law. Terms with a variable that the log does not contain are left out.
     fn subtract_law(&self, law: &ResidualLaw, log: usize, values: &mut [f64]) {
         let variables: Vec<TableVariable> = law.term.iter().flat_map(Term::variables).collect();

@@ -21,6 +21,7 @@ pub mod of_axis;
 pub mod of_machine;
 pub mod refutation;
 pub mod remainder;
+pub mod resemblance;
 pub mod tool_slopes;
 pub mod whole;
 

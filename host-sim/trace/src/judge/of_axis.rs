@@ -9,6 +9,7 @@ use super::laws::without_map_of_law;
 use super::misfit::{Evidence, is_of_another_machine};
 use super::not_testable::{EffectNotTestable, effects_not_testable};
 use super::remainder::Remainder;
+use super::resemblance::compare_with_catalogue;
 use super::tool_slopes::ToolSlopes;
 use crate::analysis::free_run::{FreeRun, free_runs};
 use crate::dropped::{Dropped, Reason};
@@ -139,7 +140,8 @@ fn remaining(
     [baseline, model]: [&AxisModel; 2],
     (scopes, exclusions): (&[Scope], &[Exclusion]),
 ) -> (AxisModel, Remainder) {
-    let remainder = Remainder::of(data, [baseline, model], scopes, exclusions);
+    let mut remainder = Remainder::of(data, [baseline, model], scopes, exclusions);
+    compare_with_catalogue(&FitData { exclusions, ..data.fit }, (model, scopes), &mut remainder.laws);
     let residuals = || remainder.with_residuals(data, [baseline, model], scopes, exclusions);
     match job.request.tables.then(residuals).flatten() {
         Some(with_residuals) => with_residuals,

@@ -89,24 +89,20 @@ pub fn propose(
     let names: Vec<&String> = machines[0].axis.keys().collect();
     let proposal = |trial: &Trial| {
         let motion = trial.motion(&names, axis, logs, options)?;
-        let [a, b] = machines.map(|machine| run(machine, motion.motion()?));
+        // Both machines have the same noise, which cancels in the difference.
+        let [a, b] = machines.map(|machine| run(machine, motion.motion()?, Instruments::typical(1)));
         let difference = difference(a?.axes.get(axis)?, b?.axes.get(axis)?);
         Some(Proposal { motion, name: trial.name, difference })
     };
     TRIALS.iter().filter_map(proposal).max_by(|a, b| a.difference.total_cmp(&b.difference))
 }
 
-fn run(machine: &Machine, motion: &Motion) -> Option<Log> {
+/// The log of a motion on a machine; `None` if the machine file does not suffice to simulate it.
+#[must_use]
+pub fn run(machine: &Machine, motion: &Motion, instruments: Instruments) -> Option<Log> {
     let path = MachinePath::new(motion, machine, "proposal").ok()?;
     let mut controller = simulate::controller(machine, Format::F64, &path.start_m).ok()?;
-    let run = Run {
-        machine,
-        // Both machines have the same noise, which cancels in the difference.
-        instruments: Instruments::typical(1),
-        start_m: &path.start_m,
-        blocks: &path.blocks,
-        start_s: 0.0,
-    };
+    let run = Run { machine, instruments, start_m: &path.start_m, blocks: &path.blocks, start_s: 0.0 };
     run.log(controller.as_mut(), |_, _, _| {}).ok()
 }
 
@@ -182,7 +178,7 @@ mod tests {
         let late = machine("name = \"latency\"\nchannel = \"tool\"\nms = 0.5\n");
         let intalk = machine("name = \"intalk\"\num_s2_per_m = 3.0\n");
         let circle = Motion::parse(model::examples::VMC_CIRCLE, "circle.toml").unwrap();
-        let log = run(&late, &circle).unwrap();
+        let log = run(&late, &circle, Instruments::typical(1)).unwrap();
         let names: Vec<String> = late.axis.keys().cloned().collect();
         let logs = [Signals::new(&log, &names, &SampleOptions::default())];
         let proposal = propose([&late, &intalk], 0, &logs, &AdmissionOptions::default()).unwrap();

@@ -4,6 +4,8 @@ use std::ops::Deref;
 
 use super::certainty::is_certain;
 use super::distinguishing_motion::Proposal;
+use super::refuting_motion::Refutation;
+use crate::analysis::law::FoundLaw;
 use crate::data_faults::DataFault;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::declared_machine::DeclaredMachine;
@@ -36,6 +38,7 @@ pub struct AxisIdentification {
     /// Whether the scale of the logged force may be wrong, instead of masses, stiffness, friction and the gain of the loop.
     pub has_force_scale: bool,
     pub(super) proposals: Vec<Option<Proposal>>,
+    pub(super) refutations: Vec<Option<Refutation>>,
 }
 
 impl Deref for AxisIdentification {
@@ -101,6 +104,11 @@ impl AxisIdentification {
     /// simulate it.
     pub fn ambiguities_with_motions(&self) -> impl Iterator<Item = (&Ambiguity, Option<&Proposal>)> {
         self.ambiguities.iter().zip(self.proposals.iter().map(Option::as_ref))
+    }
+
+    /// The laws of the axis, each with a motion that would refute it; without one if the axes do not move in the fitted logs.
+    pub fn laws_with_motions(&self) -> impl Iterator<Item = (&FoundLaw, Option<&Refutation>)> {
+        self.laws.iter().zip(self.refutations.iter().map(Option::as_ref))
     }
 }
 

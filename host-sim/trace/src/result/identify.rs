@@ -3,6 +3,7 @@
 use super::certainty::{Doubted, doubted};
 use super::distinguishing_motion::{Proposal, propose};
 use super::identification::{AxisIdentification, Identification, better_machine};
+use super::refuting_motion::Refutation;
 use crate::data_faults::fault::{DataFault, FaultHandling};
 use crate::input::signals::Signals;
 use crate::judge::axis_findings::AxisFindings;
@@ -23,7 +24,8 @@ pub fn identify(repaired: Repaired<'_>, findings: Findings) -> Identification {
             faults.iter().filter(|fault| fault.axis == findings.axis).cloned().collect();
         let proposals = proposals(&better, (number, &findings), &fit_logs, &declared.options);
         let findings = with_reasons(findings, &data_faults);
-        AxisIdentification { findings, data_faults, has_force_scale, proposals }
+        let refutations = refutations(&better, (number, &findings), &fit_logs, &declared.options);
+        AxisIdentification { findings, data_faults, has_force_scale, proposals, refutations }
     };
     let axes = doubted(axes, &declared, &fit_logs).into_iter().enumerate().map(of_axis).collect();
     Identification { declared, axes, fit_logs, validate_logs, notes }
@@ -44,6 +46,16 @@ fn proposals(
         propose([better, &other], number, fit_logs, &options.admission)
     };
     axis.ambiguities.iter().map(of_ambiguity).collect()
+}
+
+/// The motion that would refute each law of an axis.
+fn refutations(
+    better: &Machine,
+    (number, axis): (usize, &AxisFindings),
+    fit_logs: &[Signals],
+    options: &TraceOptions,
+) -> Vec<Option<Refutation>> {
+    axis.laws.iter().map(|law| Refutation::of(law, (better, number), fit_logs, options)).collect()
 }
 
 /// The findings in which missing channels that were logged, but could not be used, have their fault as the reason.

@@ -208,7 +208,8 @@ impl EffectSearch<'_> {
     fn round(&mut self, data: &FitData<'_>, reference: Reference<'_>, scope: &Scope) -> Option<Fitted> {
         let name = data.name();
         (self.progress)(&format!("{name}: trying the catalogue on {}", stage_names(&scope.stages)));
-        let mut initial_guesses = missing_effects(data, reference.base, scope);
+        let mut initial_guesses =
+            missing_effects(data, (&reference.base.model, &reference.base.residuals), scope);
         initial_guesses.retain(|effect| !self.dropped.iter().any(|dropped| dropped.is_same(effect)));
         let mut candidates = rank(data, reference, scope, initial_guesses);
         prefer_fewer_parameters(&mut candidates, scope, &data.options.search);

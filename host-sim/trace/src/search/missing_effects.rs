@@ -2,18 +2,21 @@
 
 use super::companion::has_any_shape;
 use super::residual_shape::shape;
-use crate::fit::fit_data::FitData;
-use crate::fit::least_squares::Fitted;
+use crate::fit::axis_model::AxisModel;
+use crate::fit::fit_data::{FitData, ResidualSeries};
 use crate::fit::scope::Scope;
 use crate::input::signals::logged_channels;
 use model::effects::{Effect, EffectContext, Stage, initial_guesses};
 
-/// All initial guesses of the effects that the model does not yet contain.
+/// All initial guesses of the effects that the model does not yet contain, for these residuals.
 #[must_use]
-pub fn missing_effects(data: &FitData<'_>, base: &Fitted, scope: &Scope) -> Vec<Effect> {
-    let model = &base.model;
+pub fn missing_effects(
+    data: &FitData<'_>,
+    (model, residuals): (&AxisModel, &[ResidualSeries]),
+    scope: &Scope,
+) -> Vec<Effect> {
     let others: Vec<String> = data.names.iter().filter(|name| *name != data.name()).cloned().collect();
-    let residual = shape(data, &base.residuals, scope, &model.axis.settings.mechanics);
+    let residual = shape(data, residuals, scope, &model.axis.settings.mechanics);
     let names: Vec<&'static str> = model.axis.effect.iter().map(Effect::name).collect();
     let logged = logged_channels(data.logs, data.axis, &data.options.samples);
     let context = EffectContext {

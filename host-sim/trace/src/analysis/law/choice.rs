@@ -117,7 +117,7 @@ fn refined(samples: &Samples<'_>, mut terms: Vec<Term>) -> Vec<Term> {
         for index in 0..terms.len() {
             let with = |length_mm: f64| {
                 let mut changed = terms.clone();
-                changed[index] = with_length(&terms[index], length_mm);
+                changed[index] = terms[index].with_length(length_mm);
                 changed
             };
             let left = |length_mm: f64| {
@@ -142,14 +142,4 @@ fn refined(samples: &Samples<'_>, mut terms: Vec<Term>) -> Vec<Term> {
         }
     }
     terms
-}
-
-/// A term with another distance or period.
-fn with_length(term: &Term, mm: f64) -> Term {
-    let mut term = term.clone();
-    match &mut term {
-        Term::Product { .. } => {}
-        Term::Hysteresis { distance_mm: length, .. } | Term::Wave { period_mm: length, .. } => *length = mm,
-    }
-    term
 }

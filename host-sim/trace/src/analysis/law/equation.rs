@@ -14,16 +14,19 @@ impl FoundLaw {
         let (symbol, _) = residual_unit(unit, self.stage);
         let term = |found: &FoundTerm| {
             let [first, second] = found.term.coefficients();
-            let [of_first, of_second] = found.half_widths;
             let per = units(&found.term, unit);
-            let form = self.form(&found.term);
-            match &found.term {
-                Term::Wave { .. } => {
-                    let (amplitude, half) = (libm::hypot(first, second), libm::hypot(of_first, of_second));
-                    format!("{} {symbol} · {form}", with_spread(amplitude, half))
+            let value = match &found.term {
+                Term::Wave { .. } => libm::hypot(first, second),
+                _ => first,
+            };
+            let length = found.term.length_mm().zip(found.length_half_width);
+            let form = match length {
+                Some((mm, half)) => {
+                    found.term.form_with_length(&self.axis, &self.other, &with_spread(mm, half))
                 }
-                _ => format!("{} {symbol}{per} · {form}", with_spread(first, of_first)),
-            }
+                None => self.form(&found.term),
+            };
+            format!("{} {symbol}{per} · {form}", with_spread(value, found.amplitude_half_width))
         };
         self.terms.iter().map(term).collect::<Vec<_>>().join(" + ")
     }
@@ -35,11 +38,11 @@ impl FoundLaw {
     }
 }
 
-/// The unit of the variables of a product: `/(mm·m/s)`.
-fn units(term: &Term, unit: Unit) -> String {
-    let Term::Product { of, .. } = term else { return String::new() };
+/// The unit of a variable on an axis with a unit; `None`: it has none.
+#[must_use]
+pub fn variable_unit(variable: V, unit: Unit) -> Option<&'static str> {
     let is_rotary = unit == Unit::Degree;
-    let of_variable = |variable: &V| match variable {
+    match variable {
         V::PositionMm | V::OtherPositionMm => Some(if is_rotary { "°" } else { "mm" }),
         V::VelocityMPerS | V::SpeedMPerS | V::OtherVelocityMPerS => {
             Some(if is_rotary { "1000°/s" } else { "m/s" })
@@ -50,8 +53,13 @@ fn units(term: &Term, unit: Unit) -> String {
         V::ForceN => Some(if is_rotary { "N·m" } else { "N" }),
         V::TimeS => Some("s"),
         V::Direction | V::OtherDirection => None,
-    };
-    match of.iter().filter_map(of_variable).collect::<Vec<_>>()[..] {
+    }
+}
+
+/// The unit of the variables of a product: `/(mm·m/s)`.
+fn units(term: &Term, unit: Unit) -> String {
+    let Term::Product { of, .. } = term else { return String::new() };
+    match of.iter().filter_map(|variable| variable_unit(*variable, unit)).collect::<Vec<_>>()[..] {
         [] => String::new(),
         ["mm"] => "/mm".to_owned(),
         ref all => format!("/({})", all.join("·")),

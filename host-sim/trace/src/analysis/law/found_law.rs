@@ -1,5 +1,6 @@
 //! A law that was found.
 
+use super::spread::Spread;
 use crate::fit::fit_data::FitAndValidationRms;
 use model::effects::Stage;
 use model::residual_law::{ResidualLaw, Term};
@@ -18,12 +19,30 @@ pub struct FoundLaw {
     pub constant: f64,
     /// Its terms.
     pub terms: Vec<FoundTerm>,
+    /// How uncertain the values of the terms are.
+    pub spread: Spread,
     /// Rms without the law, µm or N.
     pub before: FitAndValidationRms,
     /// Rms with the law.
     pub after: FitAndValidationRms,
     /// Whether the law leaves no more than a model may leave in the stage of a certain effect.
     pub is_complete: bool,
+    /// Effects of the catalogue that could describe a part of the law, best first; empty: none was compared.
+    pub resembles: Vec<Resemblance>,
+}
+
+/// An effect of the catalogue that a law resembles. A resemblance is no cause.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Resemblance {
+    /// Name of the effect.
+    pub effect: &'static str,
+    /// The part of the variance of the law over the fitted logs that the effect could describe, 0 to 1.
+    pub share: f64,
+}
+
+impl Resemblance {
+    /// Below this share, a law does not resemble an effect.
+    pub const MIN_SHARE: f64 = 0.5;
 }
 
 /// A term of a law.
@@ -33,6 +52,10 @@ pub struct FoundTerm {
     pub term: Term,
     /// Half of the 95 % interval of each coefficient.
     pub half_widths: [f64; 2],
+    /// Half of the 95 % interval of the amplitude of a wave; of other terms, that of the coefficient.
+    pub amplitude_half_width: f64,
+    /// Half of the 95 % interval of a period or a distance, mm; NaN: the logs do not give it. None of a product.
+    pub length_half_width: Option<f64>,
     /// By how many standard errors the term, fitted to the held-out logs alone, differs from zero.
     pub held_out_t: f64,
     /// Terms that describe the fitted logs as well in its place.

@@ -2,13 +2,13 @@
 
 use super::choice::{Chosen, improvement_t, price};
 use super::found_law::{FoundTerm, MIN_SHADOW_RATIO};
-use super::samples::{Normal, Samples, columns_of};
-use super::subsets::{Subset, solved};
+use super::samples::{Normal, Samples};
+use super::spread::Spread;
+use super::subsets::Subset;
 use crate::fit::fit_data::FitAndValidationRms;
 use crate::fit::normal_equations::FOLDS;
 use crate::options::SearchOptions;
 use model::residual_law::Term;
-use numerics::distributions::student_t_975;
 
 /// A law is a rival of one that leaves less by no more than this many standard errors.
 const MAX_AMBIGUOUS_T: f64 = 2.0;
@@ -19,6 +19,8 @@ pub struct Judged {
     pub constant: f64,
     /// Its terms.
     pub terms: Vec<FoundTerm>,
+    /// How uncertain their values are.
+    pub spread: Spread,
     /// Rms without it.
     pub before: FitAndValidationRms,
     /// Rms with it.
@@ -27,7 +29,11 @@ pub struct Judged {
 
 /// The largest law of a choice of which the held-out logs support each term; `None` if they support none.
 #[must_use]
-pub fn judged(chosen: &Chosen, held_out: &Samples<'_>, options: &SearchOptions) -> Option<Judged> {
+pub fn judged(
+    chosen: &Chosen,
+    [fitted, held_out]: [&Samples<'_>; 2],
+    options: &SearchOptions,
+) -> Option<Judged> {
     let held_out = held_out.normal(&chosen.library.terms);
     let total = Normal::sum(chosen.blocks.iter())?;
     let left =
@@ -45,23 +51,19 @@ pub fn judged(chosen: &Chosen, held_out: &Samples<'_>, options: &SearchOptions) 
     })?;
     let alike = rivals(chosen, best, options);
     let of_folds = of_folds(chosen, best.terms.len(), options);
-    let half_widths = half_widths(&chosen.blocks, best);
     let with = chosen.library.with_coefficients(best);
+    let spread = Spread::of(fitted, &with);
     let squares = chosen.library.squares_of_terms(&chosen.blocks, best);
     let law: Vec<(&Term, f64)> = with.iter().zip(squares).collect();
-    let mut column = chosen.library.always - 1;
-    let terms = law.iter().zip(held_out_t).map(|(&(term, squares), held_out_t)| {
-        let mut half = [0.0; 2];
-        for half in &mut half[..columns_of(term)] {
-            column += 1;
-            *half = half_widths.get(column).copied().unwrap_or(f64::NAN);
-        }
+    let terms = law.iter().zip(held_out_t).enumerate().map(|(index, (&(term, squares), held_out_t))| {
         let has = |law: &[Term]| law.iter().any(|other| chosen.is_same_form(term, other));
         FoundTerm {
             rivals: replaced(chosen, term, (&with, &alike)),
             shadowed_by: shadow(&law, (term, squares)),
             is_in_all_folds: of_folds.iter().all(|law| has(law)),
-            half_widths: half,
+            half_widths: spread.of_coefficients(index),
+            amplitude_half_width: spread.of_amplitude(index, term),
+            length_half_width: spread.of_length(index),
             held_out_t,
             term: term.clone(),
         }
@@ -80,6 +82,7 @@ pub fn judged(chosen: &Chosen, held_out: &Samples<'_>, options: &SearchOptions) 
     Some(Judged {
         constant: best.coefficients[0].1,
         terms,
+        spread,
         before: both(&without.coefficients),
         after: both(&best.coefficients),
     })
@@ -131,21 +134,4 @@ fn of_folds(chosen: &Chosen, size: usize, options: &SearchOptions) -> Vec<Vec<Te
         Some(chosen.library.with_coefficients(by_size[size].first()?))
     };
     (0..FOLDS).map(|fold| law(fold).unwrap_or_default()).collect()
-}
-
-/// Half of the 95 % interval of each coefficient, by leaving out one block at a time.
-fn half_widths(blocks: &[Normal], best: &Subset) -> Vec<f64> {
-    let columns: Vec<usize> = best.coefficients.iter().map(|(column, _)| *column).collect();
-    let without = |left_out: usize| {
-        let others = blocks.iter().enumerate().filter(|(i, _)| *i != left_out).map(|(_, block)| block);
-        solved(&Normal::sum(others)?, &columns)
-    };
-    let fits: Vec<Vec<f64>> = (0..blocks.len()).filter_map(without).collect();
-    let n = fits.len() as f64;
-    let half_width = |i: usize| {
-        let mean = numerics::mean(fits.iter().map(|fit| fit[i]));
-        let squares: f64 = fits.iter().map(|fit| (fit[i] - mean).powi(2)).sum();
-        student_t_975(fits.len().saturating_sub(1)) * ((n - 1.0) / n * squares).sqrt()
-    };
-    (0..columns.len()).map(half_width).collect()
 }

@@ -7,6 +7,7 @@
 //! | the subsets of one to three terms that leave least | [`subsets`] |
 //! | how many terms, and their distances and periods | [`choice`] |
 //! | which terms held-out logs support, and which have a rival | [`judgement`] |
+//! | the intervals of coefficients, periods and distances | [`spread`] |
 //! | the law | [`found_law`], as text [`equation`] |
 //!
 //! A law says how a residual depends on the motion. It does not say what causes it, and holds for motions like those in which it was
@@ -19,6 +20,7 @@ pub mod judgement;
 pub mod library;
 pub mod reversals;
 pub mod samples;
+pub mod spread;
 pub mod subsets;
 pub mod waves;
 
@@ -28,7 +30,7 @@ mod tests;
 use crate::fit::fit_data::{FitData, ResidualSeries};
 use crate::fit::normal_equations::Column;
 use choice::Chosen;
-pub use found_law::{FoundLaw, FoundTerm};
+pub use found_law::{FoundLaw, FoundTerm, Resemblance};
 use model::effects::Stage;
 use samples::{Normal, Samples};
 use subsets::independent;
@@ -61,7 +63,7 @@ pub fn law(fit: &Left<'_>, validate: &Left<'_>, stage: Stage, noise: f64) -> Opt
     let (fitted, held_out) = (fitted.with_free(&free), held_out.with_free(&free));
     let criteria = &fit.data.options.search;
     let chosen = Chosen::of(&fitted, &variables, criteria)?;
-    let judged = judgement::judged(&chosen, &held_out, criteria)?;
+    let judged = judgement::judged(&chosen, [&fitted, &held_out], criteria)?;
     let [before, after] = [judged.before, judged.after].map(|rms| rms.validate.powi(2) - noise * noise);
     if after > (1.0 - MIN_EXPLAINED) * before {
         return None;
@@ -73,8 +75,10 @@ pub fn law(fit: &Left<'_>, validate: &Left<'_>, stage: Stage, noise: f64) -> Opt
         other: names.iter().find(|name| *name != axis).cloned().unwrap_or_default(),
         constant: judged.constant,
         terms: judged.terms,
+        spread: judged.spread,
         is_complete: judged.after.fit <= fit.data.options.verdict.max_certain(noise),
         before: judged.before,
         after: judged.after,
+        resembles: Vec::new(),
     })
 }

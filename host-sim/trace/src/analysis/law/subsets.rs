@@ -159,10 +159,17 @@ pub fn independent(normal: &Normal) -> Vec<usize> {
 /// The coefficients of some columns that minimise Σ r²; `None` if one of the columns is a combination of the others.
 #[must_use]
 pub fn solved(normal: &Normal, columns: &[usize]) -> Option<Vec<f64>> {
+    solved_above(normal, columns, MIN_INDEPENDENT)
+}
+
+/// The coefficients of some columns that minimise Σ r²; `None` if a smaller part than this of a column's square is no combination of
+/// the others.
+#[must_use]
+pub fn solved_above(normal: &Normal, columns: &[usize], min_independent: f64) -> Option<Vec<f64>> {
     let (scale, matrix) = scaled(normal, columns)?;
     let right = DVector::from_fn(columns.len(), |i, _| normal.gradient[columns[i]] / scale[i]);
     let factor = matrix.cholesky()?;
-    if factor.l_dirty().diagonal().iter().any(|pivot| pivot * pivot < MIN_INDEPENDENT) {
+    if factor.l_dirty().diagonal().iter().any(|pivot| pivot * pivot < min_independent) {
         return None;
     }
     let solution = factor.solve(&right);

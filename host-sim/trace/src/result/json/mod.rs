@@ -97,7 +97,7 @@ impl Document {
             unexplained: of_axes(trace, |axis| {
                 axis.unexplained.iter().map(|left| Unexplained::of(axis, left)).collect()
             }),
-            laws: of_axes(trace, |axis| axis.laws.iter().map(|law| Law::of(axis, law)).collect()),
+            laws: of_axes(trace, |axis| axis.laws_with_motions().map(|law| Law::of(axis, law)).collect()),
             not_testable: not_testable(trace),
             notes: trace.notes().to_vec(),
             ambiguities: of_axes(trace, |axis| {
