@@ -103,6 +103,10 @@ fn numbers_out_of_range_are_rejected() {
             "effect[0].channel: expected \"tool\"",
         ),
         (
+            "\"resonance\"\nfrequency_hz = 40.0\ndamping_ratio = 0.1\ndamped_against = \"motor\"",
+            "effect[0].damped_against: expected one of ground, table, found \"motor\"",
+        ),
+        (
             "\"servo_mismatch\"\npercent = 1.0\n[[axis.x.effect]]\nname = \"servo_mismatch\"\npercent = 2.0",
             "effect[1]: expected at most one effect of this name",
         ),
