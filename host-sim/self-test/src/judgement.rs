@@ -211,6 +211,27 @@ mod tests {
         assert!(judged(&[], &rotated, &[]).named.is_empty());
     }
 
+    /// A certain damper at the ground where it is at the table is false, and the other way round; without certainty it is not.
+    #[test]
+    fn the_wrong_damper_is_false_if_it_is_certain() {
+        let reference = Some(("damped_against", "table"));
+        let on_table = [Truth { reference, ..truth("mode_on_table", "x", &[]) }];
+        let two = [truth("two_modes", "x", &[])];
+        let mode = |certainty: &str, is_on_table: bool| {
+            let mut effect = found("resonance", certainty, &[]);
+            if is_on_table {
+                effect["damped_against"] = json!("table");
+            }
+            effect
+        };
+        for (extras, is_on_table) in [(&on_table, true), (&two, false)] {
+            let is_false =
+                |certainty: &str, said: bool| judged(&[], extras, &[mode(certainty, said)]).is_surely_false();
+            assert!(!is_false("certain", is_on_table) && is_false("certain", !is_on_table));
+            assert!(!is_false("ambiguous", !is_on_table));
+        }
+    }
+
     #[test]
     fn a_true_effect_among_the_rivals_is_found() {
         let backlash = [truth("backlash", "x", &[("width_um", 12.0)])];
