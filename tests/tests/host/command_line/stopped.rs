@@ -104,7 +104,7 @@ fn numbers_out_of_range_are_rejected() {
         ),
         (
             "\"resonance\"\nfrequency_hz = 40.0\ndamping_ratio = 0.1\ndamped_against = \"motor\"",
-            "effect[0].damped_against: expected one of ground, table, found \"motor\"",
+            "axis.x.effect[0]",
         ),
         (
             "\"servo_mismatch\"\npercent = 1.0\n[[axis.x.effect]]\nname = \"servo_mismatch\"\npercent = 2.0",
