@@ -96,8 +96,8 @@ pub struct Oscillation {
 pub struct OscillationStep {
     /// Offset and rate at the end per offset, per rate, and per constant force per mass.
     columns: [[f64; 2]; 3],
-    /// 2ζω, 1/s.
-    damping_per_s: f64,
+    /// Force of the damper per mass and per velocity of the table, 1/s: 2ζω where it acts against the ground, 0 against the table.
+    ground_damping_per_s: f64,
     half_s: f64,
 }
 
@@ -111,7 +111,7 @@ impl OscillationStep {
         let exponential = (rates * step_s).exp();
         Self {
             columns: [0, 1, 2].map(|cause| [exponential[(0, cause)], exponential[(1, cause)]]),
-            damping_per_s,
+            ground_damping_per_s: damping_per_s * (1.0 - resonance.damped_against.share_of_table()),
             half_s: 0.5 * step_s,
         }
     }
@@ -121,10 +121,10 @@ impl Oscillation {
     /// One step under the table's acceleration (m/s²), at whose end the table has a velocity (m/s).
     ///
     /// The tool follows the table by ω²/(s² + 2ζωs + ω²). With d = tool − table that is
-    /// d'' + 2ζω·d' + ω²·d = −(table'' + 2ζω·table').
+    /// d'' + 2ζω·d' + ω²·d = −(table'' + 2ζω·table'). Of a damper that acts against the table, the last term is absent.
     pub fn step(&mut self, step: &OscillationStep, acceleration: f64, velocity: f64) {
         // The velocity in the middle of the step.
-        let force = -acceleration - step.damping_per_s * (velocity - step.half_s * acceleration);
+        let force = -acceleration - step.ground_damping_per_s * (velocity - step.half_s * acceleration);
         let [per_offset, per_rate, per_force] = step.columns;
         let end = |part: usize| {
             per_offset[part] * self.offset_m + per_rate[part] * self.rate + per_force[part] * force
@@ -135,6 +135,9 @@ impl Oscillation {
 
 #[cfg(test)]
 mod tests {
+    use model::effects::DampedAgainst;
+    use nalgebra::Complex;
+
     use super::*;
 
     /// Without damping and under a constant acceleration a, d = −a/ω²·(1 − cos ωt), at any step.
@@ -150,6 +153,52 @@ mod tests {
                 assert!((tool.offset_m - expected).abs() < 1e-15, "{step_s}: {} {expected}", tool.offset_m);
             }
         }
+    }
+
+    /// Tool − table against (H − 1)·table of the damper of each kind, below, at and above the frequency of the mode.
+    ///
+    /// The acceleration of each step is its mean over the step, which reduces a sine of the angular frequency Ω by sinc², 1 − (Ω·h)²/12; its
+    /// images at the rate of the steps are by (ω·h/2π)² smaller than that. Of the transient e^(−20) is left. The two kinds differ by 2ζω/Ω
+    /// of what the damper of the table leaves.
+    #[test]
+    fn follows_the_transfer_function_of_its_damper() {
+        let (step_s, frequency_hz, zeta) = (1e-4, 60.0, 0.1);
+        let omega = std::f64::consts::TAU * frequency_hz;
+        for (hz, against) in [20.0, 60.0, 180.0]
+            .into_iter()
+            .flat_map(|hz| [(hz, DampedAgainst::Ground), (hz, DampedAgainst::Table)])
+        {
+            let forced = std::f64::consts::TAU * hz;
+            let resonance = Resonance { damped_against: against, ..Resonance::of_tool(frequency_hz, zeta) };
+            let (step, mut tool) = (OscillationStep::new(&resonance, step_s), Oscillation::default());
+            let velocity = |i: u32| forced * (forced * step_s * f64::from(i)).cos();
+            let s = Complex::new(0.0, forced);
+            let denominator = s * s + 2.0 * zeta * omega * s + omega * omega;
+            let of_damper = 2.0 * zeta * omega * s * (1.0 - against.share_of_table());
+            let expected = -(s * s + of_damper) / denominator;
+            let other = -(s * s + 2.0 * zeta * omega * s - of_damper) / denominator;
+            let bound = expected.norm() * 1.1 * ((forced * step_s).powi(2) / 12.0 + 1e-5);
+            assert!((expected - other).norm() > 20.0 * bound, "{hz}: {expected} {other} {bound}");
+            let settling = (20.0 / (zeta * omega * step_s)).round() as u32;
+            for i in 1..=settling + 500 {
+                tool.step(&step, (velocity(i) - velocity(i - 1)) / step_s, velocity(i));
+                let at = (expected * Complex::cis(forced * step_s * f64::from(i))).im;
+                assert!(
+                    i < settling || (tool.offset_m - at).abs() < bound,
+                    "{hz} {i}: {} {at}",
+                    tool.offset_m
+                );
+            }
+        }
+    }
+
+    /// A damper that acts against the table does not displace the tool at a steady speed.
+    #[test]
+    fn does_not_lag_at_a_steady_speed_where_it_is_damped_against_the_table() {
+        let resonance = Resonance { damped_against: DampedAgainst::Table, ..Resonance::of_tool(60.0, 0.7) };
+        let (step, mut tool) = (OscillationStep::new(&resonance, 1e-3), Oscillation::default());
+        (0..1000).for_each(|_| tool.step(&step, 0.0, 0.1));
+        assert!(tool.offset_m == 0.0, "{}", tool.offset_m);
     }
 
     /// At a steady speed the tool lags by 2ζ/ω: the slope of the transfer function at zero frequency.

@@ -66,7 +66,9 @@ pub fn ambiguity(axis: &AxisIdentification, alike: &Ambiguity, proposal: Option<
         },
     );
     let [added, rival] = [&alike.added, &alike.rival].map(|effect| effect.name().replace('_', " "));
-    format!("{}: these logs do not distinguish {added} from {rival}; {how}.", axis.axis)
+    let which =
+        if added == rival { format!("two forms of {added}") } else { format!("{added} from {rival}") };
+    format!("{}: these logs do not distinguish {which}; {how}.", axis.axis)
 }
 
 /// The sentence for an effect that was found: what it is, whether that is certain, what it costs at the tool, or how much of the residual

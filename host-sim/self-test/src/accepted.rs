@@ -19,7 +19,7 @@ const LOST: &[&str] = &["lost_motion", "windup"];
 
 /// The accepted names, in the order of [`super::chain::NAMES`], then of [`super::gap::NAMES`]. A name that is not accepted may be
 /// an imitation only: called ambiguous, with an accepted or true name among its rivals.
-pub(super) const NAMINGS: [Naming; 34] = [
+pub(super) const NAMINGS: [Naming; 35] = [
     named("feedback_late", POSITION),
     named("feedback_notch", POSITION),
     named("feedback_low_pass", POSITION),
@@ -46,6 +46,10 @@ pub(super) const NAMINGS: [Naming; 34] = [
     named("stiffness_varies", &["windup", "stiffness_map"]),
     named("encoder_steps", &[]),
     named("quant", &[]),
+    Naming {
+        estimated: Some(("resonance", &["frequency_hz", "damping_ratio"])),
+        ..named("mode_on_table", &["resonance"])
+    },
     named("no_stiffness", LOST),
     named("no_motor_coulomb", &[]),
     named("no_force", &[]),

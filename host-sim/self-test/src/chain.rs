@@ -10,7 +10,7 @@ use super::machine::AXES;
 use super::truth::Truth;
 
 /// The errors. The number of a case determines the error, in this order.
-pub const NAMES: [&str; 23] = [
+pub const NAMES: [&str; 24] = [
     "feedback_late",
     "feedback_notch",
     "feedback_low_pass",
@@ -34,6 +34,7 @@ pub const NAMES: [&str; 23] = [
     "stiffness_varies",
     "encoder_steps",
     "quant",
+    "mode_on_table",
 ];
 
 /// Errors that may come beside another one.
@@ -107,8 +108,12 @@ fn set(name: &'static str, machine: &mut Drawn, random: &mut ChaCha8Rng) -> Vec<
     indices[..if both { 2 } else { 1 }]
         .iter()
         .map(|&index| extra(name, index, of_axis(name, &mut machine.axes[index], &mut Random(random))))
+        .map(|truth| Truth { reference: (name == "mode_on_table").then_some(DAMPED_AGAINST_TABLE), ..truth })
         .collect()
 }
+
+/// Key of a mode whose damper is not against the ground, and its value.
+const DAMPED_AGAINST_TABLE: (&str, &str) = ("damped_against", "table");
 
 /// Turns the probe around a drawn centre.
 fn turn(machine: &mut Drawn, gain: f64, sizes: &mut Random<'_>) -> Vec<(&'static str, f64)> {

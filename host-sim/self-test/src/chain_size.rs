@@ -155,6 +155,12 @@ fn of_tool(name: &str, axis: &mut Axis, sizes: &mut Random<'_>) -> Vec<(&'static
             axis.drift_m_per_s = sizes.signed(20e-9, 80e-9);
             vec![("um_per_s", 1e6 * axis.drift_m_per_s)]
         }
+        "mode_on_table" => {
+            let (frequency_hz, zeta) = (sizes.between(30.0, 80.0), sizes.between(0.03, 0.15));
+            axis.resonance = Some([omega(frequency_hz), zeta]);
+            axis.is_tool_damped_by_table = true;
+            vec![("frequency_hz", frequency_hz), ("damping_ratio", zeta)]
+        }
         _ => {
             let [low_hz, high_hz] = [sizes.between(30.0, 50.0), sizes.between(90.0, 140.0)];
             let [low, high] = [sizes.between(0.03, 0.1), sizes.between(0.03, 0.1)];

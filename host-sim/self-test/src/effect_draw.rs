@@ -94,7 +94,7 @@ fn add_effects(truths: &mut Vec<Truth>, count: usize, machine: &mut Drawn, rando
 /// Pairs that are not drawn on one axis. A load greater than the friction keeps the screw on one side of its gap; a strain wave gear has none. The
 /// others have the same consequence: a pitch shape has a slope, a second harmonic of the screw the period of a resolver
 /// with two pole pairs, and the loop multiplies Kp by Kv and by feed-forward.
-const EXCLUSIONS: [[&str; 2]; 30] = [
+const EXCLUSIONS: [[&str; 2]; 32] = [
     ["backlash", "constant_load"],
     ["backlash", "cable_drag"],
     ["backlash", "backlash_varies"],
@@ -123,6 +123,8 @@ const EXCLUSIONS: [[&str; 2]; 30] = [
     ["thermal_drift", "linear_drift"],
     ["resonance", "two_modes"],
     ["latency", "two_modes"],
+    ["resonance", "mode_on_table"],
+    ["latency", "mode_on_table"],
     ["windup", "stiffness_varies"],
     ["windup", "no_stiffness"],
 ];

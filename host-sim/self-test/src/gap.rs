@@ -136,7 +136,10 @@ mod tests {
             [1, 2, 11, 12].map(of_case),
             ["no_stiffness", "no_motor_coulomb", "no_drive", "no_stiffness"]
         );
-        assert_eq!([1, 23, 24].map(chain::of_case), ["feedback_late", "quant", "feedback_late"]);
+        assert_eq!(
+            [1, 23, 24, 25].map(chain::of_case),
+            ["feedback_late", "quant", "mode_on_table", "feedback_late"]
+        );
     }
 
     #[test]

@@ -117,8 +117,9 @@ impl Known<'_> {
     /// Whether a name, on the axis of an effect, is true or accepted.
     fn is_right(&self, name: &str, effect: &Value) -> bool {
         let axis = text(effect, "axis");
-        self.truths.iter().any(|truth| truth.name == name && truth.axis == axis)
-            || self.extras.iter().any(|extra| extra.axis == axis && outside::is_accepted(extra.name, name))
+        let is_of = |truth: &&Truth| truth.axis == axis && is_of_form(truth, effect);
+        self.truths.iter().filter(is_of).any(|truth| truth.name == name)
+            || self.extras.iter().filter(is_of).any(|extra| outside::is_accepted(extra.name, name))
     }
 
     /// Whether a declared value is called beyond its tolerance, as a certain statement and without cause.
@@ -146,6 +147,13 @@ impl Known<'_> {
         // Of several with one name, the periods tell which is meant; each case has one.
         truths.flat_map(|truth| &truth.parameters).filter(|(key, _)| *key != "period_mm").any(is_wrong)
     }
+}
+
+/// Whether an effect that is called certain says of the damper of a mode what is true: without the key it acts against the ground.
+fn is_of_form(truth: &Truth, effect: &Value) -> bool {
+    const KEY: &str = "damped_against";
+    let true_value = truth.reference.and_then(|(key, value)| (key == KEY).then_some(value));
+    !is_certain(effect) || effect[KEY].as_str() == true_value
 }
 
 /// An effect's name and its rivals.
@@ -201,6 +209,27 @@ mod tests {
         let right = judged(&[], &rotated, &[found("probe_rotation", "certain", &[])]);
         assert!(right.is_exact() && right.named.len() == 1);
         assert!(judged(&[], &rotated, &[]).named.is_empty());
+    }
+
+    /// A certain damper at the ground where it is at the table is false, and the other way round; without certainty it is not.
+    #[test]
+    fn the_wrong_damper_is_false_if_it_is_certain() {
+        let reference = Some(("damped_against", "table"));
+        let on_table = [Truth { reference, ..truth("mode_on_table", "x", &[]) }];
+        let two = [truth("two_modes", "x", &[])];
+        let mode = |certainty: &str, is_on_table: bool| {
+            let mut effect = found("resonance", certainty, &[]);
+            if is_on_table {
+                effect["damped_against"] = json!("table");
+            }
+            effect
+        };
+        for (extras, is_on_table) in [(&on_table, true), (&two, false)] {
+            let is_false =
+                |certainty: &str, said: bool| judged(&[], extras, &[mode(certainty, said)]).is_surely_false();
+            assert!(!is_false("certain", is_on_table) && is_false("certain", !is_on_table));
+            assert!(!is_false("ambiguous", !is_on_table));
+        }
     }
 
     #[test]

@@ -60,6 +60,8 @@ pub struct Axis {
     pub resonance: Option<[f64; 2]>,
     /// ω (1/s) and ζ of a second mode, whose deflection adds to that of the first.
     pub second_resonance: Option<[f64; 2]>,
+    /// Whether the dampers of both modes are between table and tool, instead of between ground and tool.
+    pub is_tool_damped_by_table: bool,
     /// Vibration of the tool over time, m over s.
     pub vibration: Sinusoid,
     /// Local error of the tool over the table's position.
@@ -123,9 +125,9 @@ impl<'a> MovingAxis<'a> {
         let acting_n = self.drive.acting_n(force_n);
         self.axis.mechanics.step(&mut self.state, acting_n);
         self.memories.follow(&self.axis.law, from_m, self.state.table_m);
-        let Axis { resonance, second_resonance, .. } = *self.axis;
+        let Axis { resonance, second_resonance, is_tool_damped_by_table, .. } = *self.axis;
         for (mode, resonance) in self.modes.iter_mut().zip([resonance, second_resonance]) {
-            mode.step([from_m, self.state.table_m], resonance);
+            mode.step([from_m, self.state.table_m], resonance, is_tool_damped_by_table);
         }
         let readings_m = [self.axis.reading_m(self.state.motor_m), self.scale_m()];
         for (feedback, reading_m) in self.feedback.iter_mut().zip(readings_m) {

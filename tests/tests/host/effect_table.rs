@@ -65,6 +65,8 @@ fn row(kind: &Kind) -> String {
     let named = kind.named_keys.iter().map(|(key, meaning)| format!("`{key}`, {meaning}<br>"));
     let linear =
         named.collect::<String>() + &list(&|parameter| format!("`{}`, {}", parameter.key, range(parameter)));
+    let optional = kind.optional_named_keys.iter().map(|(key, meaning)| format!("<br>`{key}`, {meaning}"));
+    let linear = linear + &optional.collect::<String>();
     let rotary = list(&|parameter| format!("`{}`", parameter.key_on(true)));
     let channels: Vec<&str> = kind.shown_in.iter().map(|stage| channel(*stage)).collect();
     let often = if kind.occurrence == Occurrence::Repeated { "yes" } else { "no" };

@@ -2,7 +2,6 @@
 //! error larger is left out again.
 
 use std::collections::BTreeSet;
-use std::f64::consts::PI;
 
 use rayon::prelude::*;
 use shared::compensate::CompensationSettings;
@@ -288,9 +287,8 @@ impl Planning<'_> {
             axis.settings.controller.feedforward_percent = Some(percent);
         }
         if let Some(gain_per_s) = axis.settings.controller.position_gain_per_s {
-            for mode in &parameters.tool.resonances {
-                let lag_s = mode.participation * mode.damping_ratio / (PI * mode.frequency_hz);
-                controller.add_lead(gain_per_s * lag_s, &axis.settings);
+            for mode in parameters.tool.modes() {
+                controller.add_lead(gain_per_s * mode.lag_s(), &axis.settings);
             }
         }
         let is_hpc = axis.settings.controller.law == Some(Law::Hpc);

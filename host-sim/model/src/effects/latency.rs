@@ -6,7 +6,7 @@ use shared::config::Rates;
 
 use super::declaration::{
     Abscissa, Channel, Coordinate, Distinction, Draw, EffectCompensation, EffectContext, EffectModel, Found,
-    Imitation, ImitationContext, Misplaced, Occurrence, Parameter, Placement, Range, Stage, Substitute,
+    Imitation, ImitationContext, Misplaced, Mode, Occurrence, Parameter, Placement, Range, Stage, Substitute,
     Timing, Unit, Wording,
 };
 
@@ -88,15 +88,15 @@ impl EffectModel for Latency {
         vec![Coordinate::signed(self.ms, STEP_MS, limit_ms)]
     }
 
-    /// Far below its frequency ω a mode of the tool delays by 2ζ/ω. If the reading of the tool is late as well, the fit of the mode
+    /// Far below its frequency ω a mode of the tool whose damper acts against the ground delays by 2ζ/ω. If the reading of the tool is late as well, the fit of the mode
     /// alone ends at a damping ratio that is too high, from where no latency improves it.
     fn in_place_of(found: &Found<'_>) -> Option<Substitute<Self>> {
-        let [frequency_hz, damping_ratio] = [found.value("frequency_hz")?, found.value("damping_ratio")?];
+        let Mode { frequency_hz, damping_ratio, damped_against, .. } = found.mode?;
         let omega = std::f64::consts::TAU * frequency_hz;
         let late = Self { channel: Channel::Tool, ms: 1e3 * 2.0 * (damping_ratio - LITTLE_DAMPING) / omega };
         let mut mode: Vec<f64> = found.coordinates.iter().map(|coordinate| coordinate.value).collect();
         *mode.get_mut(1)? = LITTLE_DAMPING;
-        let is_damped = found.name == "resonance" && damping_ratio > 2.0 * LITTLE_DAMPING;
+        let is_damped = damped_against.is_ground() && damping_ratio > 2.0 * LITTLE_DAMPING;
         is_damped.then_some(Substitute { effect: late, beside: Some(mode) })
     }
 

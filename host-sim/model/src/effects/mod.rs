@@ -81,10 +81,10 @@ use crate::axis::{Drive, Settings};
 use declaration::{AnyEffect, EntryValue, catalogue};
 
 pub use declaration::{
-    Abscissa, Channel, Coordinate, Distinction, Draw, EffectCompensation, EffectContext, EffectModel, Found,
-    Imitation, ImitationContext, LEAST_SLOPE_UM_PER_M, LoggedChannels, Misplaced, Mode, Neighbours,
-    Occurrence, Parameter, PeriodicError, Placement, Prerequisite, ResidualOverOther, ResidualShape,
-    ResidualWave, SlopeOf, Stage, Substitute, Timing, Unit, WaveOf, Wording, harmonic,
+    Abscissa, Channel, Coordinate, DampedAgainst, Distinction, Draw, EffectCompensation, EffectContext,
+    EffectModel, Found, Imitation, ImitationContext, LEAST_SLOPE_UM_PER_M, LoggedChannels, Misplaced, Mode,
+    Neighbours, Occurrence, Parameter, PeriodicError, Placement, Prerequisite, ResidualOverOther,
+    ResidualShape, ResidualWave, SlopeOf, Stage, Substitute, Timing, Unit, WaveOf, Wording, harmonic,
 };
 
 pub use backlash::Backlash;

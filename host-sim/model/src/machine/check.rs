@@ -308,15 +308,18 @@ fn indexed<'d>(array: &str, document: &'d Document<'_>) -> Vec<&'d str> {
     document.children(array).into_iter().filter(|key| key.ends_with(']')).collect()
 }
 
-/// Checks the types of the keys of an effect with this name: `name`, `source`, `channel` and `part` are texts, all others numbers
-/// or lists of numbers.
+/// Checks the types of the keys of an effect with this name: `name`, `source`, `channel`, `part` and the optional names of its kind are texts, all
+/// others numbers or lists of numbers.
 fn numbers(effect: &str, name: &str, document: &Document<'_>) -> Result<(), InputError> {
-    let parameters = KINDS.iter().filter(|kind| kind.name == name).flat_map(|kind| kind.parameters);
+    let kinds = || KINDS.iter().filter(|kind| kind.name == name);
+    let parameters = kinds().flat_map(|kind| kind.parameters);
     let lists: Vec<String> = parameters
         .filter(|parameter| parameter.is_list)
         .map(|list| format!("{effect}.{}", list.key))
         .collect();
-    let names = ["name", "source", "channel", "part"].map(|name| format!("{effect}.{name}"));
+    let optional = kinds().flat_map(|kind| kind.optional_named_keys).map(|(key, _)| *key);
+    let names = ["name", "source", "channel", "part"].into_iter().chain(optional);
+    let names: Vec<String> = names.map(|name| format!("{effect}.{name}")).collect();
     for key in document.children(effect) {
         if names.iter().any(|name| name == key) {
             document.deserialize_at::<String>(key)?;

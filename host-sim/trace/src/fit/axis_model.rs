@@ -252,6 +252,15 @@ impl AxisModel {
         model
     }
 
+    /// This model with the found effect at an index of [`AxisModel::found`] in its other form, if it has one.
+    #[must_use]
+    pub fn in_other_form(&self, found: usize) -> Option<Self> {
+        let form = self.found().get(found)?.other_form()?;
+        let mut model = self.clone();
+        model.axis.effect[self.declared.effect.len() + found] = form;
+        Some(model)
+    }
+
     /// This model with other first values of a drive whose velocity is commanded: the fit of its time constant, integral part and dead
     /// time has several optima. None for another drive, and for a file that a trace wrote.
     #[must_use]

@@ -71,6 +71,8 @@ fn variance_um2(channel: &Smooth, mode: Mode, sample_s: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use model::effects::DampedAgainst;
+
     use super::*;
 
     /// A mode amplifies noise of a one-sided density of 2σ²·T per Hz, which the filter passes, by π·f/(4·ζ) Hz around its frequency
@@ -81,7 +83,8 @@ mod tests {
         let mut channel = Smooth::new(vec![0.0; 100], sample_s, 2);
         channel.noise = noise_m;
         for damping_ratio in [0.02, 0.05] {
-            let mode = Mode { frequency_hz, damping_ratio, participation: 1.0 };
+            let damped_against = DampedAgainst::Ground;
+            let mode = Mode { frequency_hz, damping_ratio, participation: 1.0, damped_against };
             // The filter over five samples passes 60 Hz; the mode suppresses what is beyond it.
             let variance = variance_um2(&channel, mode, sample_s);
             let density = 2.0 * (1e6 * noise_m).powi(2) * sample_s;

@@ -24,6 +24,7 @@ use crate::fit::scope::{NotTestable, Scope};
 use crate::fit::scope_fit::ScopeFit;
 use crate::search::ambiguity::Ambiguity;
 use crate::search::hypotheses::Hypotheses;
+use crate::search::other_form::is_form_of;
 use crate::search::round::Round;
 use crate::task::{Job, Task};
 use files::log::Unit;
@@ -181,13 +182,14 @@ fn untested(
     effects_not_testable(&declared.settings, neighbours, stages, missing, &tried)
 }
 
-/// The ambiguities of the search between an effect of the final result and an effect that is not in it, and the effects found with
+/// The ambiguities of the search between an effect of the final result and an effect that is not in it, or its other form, and the effects found with
 /// these rivals.
 fn with_rivals(rounds: &[Round], found: Vec<FoundEffect>) -> (Vec<Ambiguity>, Vec<FoundEffect>) {
     let is_found = |effect: &Effect| found.iter().any(|found| found.effect.is_same(effect));
     let all = rounds.iter().flat_map(|round| &round.ambiguities);
+    let is_no_finding = |one: &Ambiguity| !is_found(&one.rival) || is_form_of(&one.rival, &one.added);
     let ambiguities: Vec<Ambiguity> =
-        all.filter(|one| is_found(&one.added) && !is_found(&one.rival)).cloned().collect();
+        all.filter(|one| is_found(&one.added) && is_no_finding(one)).cloned().collect();
     let with_rivals = |one: FoundEffect| {
         let of_this = ambiguities.iter().filter(|ambiguity| ambiguity.added.is_same(&one.effect));
         FoundEffect { rivals: of_this.map(|ambiguity| ambiguity.rival.clone()).collect(), ..one }

@@ -5,7 +5,7 @@
 //! ([`EffectModel::in_place_of`](model::effects::EffectModel::in_place_of)).
 
 use super::ambiguity::{Ambiguity, is_as_good, rival};
-use super::held_out::{compare, scores};
+use super::held_out::{compare, is_better, scores};
 use super::round::Round;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
@@ -30,7 +30,7 @@ pub fn with_better_alternatives(
             let (taken, is_alone) = (substitute.effect.clone(), substitute.beside.is_none());
             let Some(start) = replaced(&base.model, index, substitute) else { continue };
             let other = least_squares::fit(data, &start, scope, least_squares::STEPS);
-            if !is_better(data, &base, &other, scope) {
+            if !is_better([&base, &other], scope, &data.options.search) {
                 let rival = (!is_alone).then(|| rival(data, [&base, &other], &taken, scope)).flatten();
                 if let (Some(rival), Some(round)) = (rival, rounds.last_mut()) {
                     round.ambiguities.push(Ambiguity {
@@ -61,6 +61,7 @@ fn substitutes(data: &FitData<'_>, model: &AxisModel, effect: &Effect) -> Vec<Su
         name: effect.name(),
         parameters: effect.parameters(),
         coordinates: effect.coordinates_at(data.rates),
+        mode: effect.mode(),
         axis: &model.axis.settings,
         rates: data.rates,
         travel_mm: highest_mm - lowest_mm,
@@ -97,16 +98,4 @@ fn is_still_as_good(data: &FitData<'_>, base: &Fitted, ambiguity: &Ambiguity, sc
 fn has_needless(data: &FitData<'_>, model: &AxisModel) -> bool {
     let settings = &model.nominal().settings;
     model.found().iter().any(|effect| !effect.exceeds_tolerance(settings, data.rates))
-}
-
-/// Whether with another fit a stage gains significantly on held-out data and none loses significantly. What has fewer parameters may gain less than
-/// an effect has to: a wave of the resolver with a period of its own, near that of the screw, left 2.7 % more than one of the screw.
-fn is_better(data: &FitData<'_>, base: &Fitted, other: &Fitted, scope: &Scope) -> bool {
-    let options = &data.options.search;
-    let is_simpler = other.parameters.len() < base.parameters.len();
-    let min_reduction = if is_simpler { 0.0 } else { options.min_reduction };
-    let stages = compare(&scores(base), &scores(other), &scope.stages, options);
-    let gains = stages.iter().any(|c| c.t > options.chance_t && c.reduction >= min_reduction);
-    let loses = stages.iter().any(|c| c.t <= -options.chance_t && c.reduction <= -min_reduction);
-    gains && !loses
 }

@@ -205,6 +205,12 @@ fn try_out(
     if let Some(refitted) = better_start.and_then(|start| fit(&start, &[])) {
         *candidate = refitted;
     }
+    let other_form =
+        candidate.fitted.as_ref().filter(|_| gains).and_then(|fitted| in_other_form(&fitted.model));
+    let other_form = other_form.and_then(|start| fit(&start, &[]));
+    if let Some(other_form) = other_form.filter(|other| other.gain > candidate.gain) {
+        *candidate = other_form;
+    }
     let options = &data.options.search;
     if candidate.is_supported(options) || candidate.gain < options.min_gain() {
         return;
@@ -220,6 +226,11 @@ fn try_out(
     if let Some(varying) = varying.filter(|varying| varying.is_supported(options)) {
         *candidate = varying;
     }
+}
+
+/// The model with its last effect in its other form.
+fn in_other_form(model: &AxisModel) -> Option<AxisModel> {
+    model.in_other_form(model.found().len().checked_sub(1)?)
 }
 
 /// A candidate that gains so much that its refusal would be reported, judged with the error of the tracer's own simulation computed from its model, if

@@ -10,6 +10,7 @@ use super::local_defect::local_defect;
 use super::loop_check::LoopCheck;
 use super::mass_check::takes_place_of_mass;
 use super::missing_effects::missing_effects;
+use super::other_form::with_better_forms;
 use super::provisional::{self, is_gross};
 use super::refinement::refined;
 use super::round::Round;
@@ -198,6 +199,7 @@ impl EffectSearch<'_> {
         base = least_squares::fit(data, &base.model, scope, least_squares::STEPS);
         base = refined(data, base, scope);
         base = with_better_alternatives(data, base, &mut self.rounds, scope);
+        base = with_better_forms(data, base, &mut self.rounds, scope);
         if count > 1 {
             base = self.drop_unnecessary(data, base, scope);
         }

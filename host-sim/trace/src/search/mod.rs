@@ -18,6 +18,7 @@ pub mod local_defect;
 pub mod loop_check;
 pub mod mass_check;
 pub mod missing_effects;
+pub mod other_form;
 pub mod position_spectrum;
 pub mod provisional;
 pub mod refinement;

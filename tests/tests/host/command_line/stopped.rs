@@ -103,6 +103,10 @@ fn numbers_out_of_range_are_rejected() {
             "effect[0].channel: expected \"tool\"",
         ),
         (
+            "\"resonance\"\nfrequency_hz = 40.0\ndamping_ratio = 0.1\ndamped_against = \"motor\"",
+            "axis.x.effect[0]",
+        ),
+        (
             "\"servo_mismatch\"\npercent = 1.0\n[[axis.x.effect]]\nname = \"servo_mismatch\"\npercent = 2.0",
             "effect[1]: expected at most one effect of this name",
         ),

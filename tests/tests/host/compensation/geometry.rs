@@ -110,6 +110,16 @@ pub fn resonance() {
     );
 }
 
+/// A tool on a spring, damped against the table: it lags by 1/ω² of the acceleration only. On a circle of radius r at the speed v that is v²/r/ω² along the
+/// radius of x.
+#[test]
+fn resonance_on_table() {
+    let omega = 60.0 * TAU;
+    let expected_um = radial_rms_um(|p| -1e6 * p.ax_m_per_s2() / omega.powi(2));
+    let effect = "name = \"resonance\"\nfrequency_hz = 60.0\ndamping_ratio = 0.1\ndamped_against = \"table\"";
+    Comparison::of(effect).assert(expected_um, 0.25, 0.5);
+}
+
 pub fn squareness() {
     let expected_um = radial_rms_um(|p| 150.0 * p.y_m());
     Comparison::of("name = \"squareness\"\num_per_m = 150.0").assert(expected_um, 0.1, 0.9);

@@ -25,6 +25,7 @@ macro_rules! catalogue {
             part_of_declared: $variant::PART_OF_DECLARED,
             parameters: $variant::PARAMETERS,
             named_keys: $variant::NAMED_KEYS,
+            optional_named_keys: $variant::OPTIONAL_NAMED_KEYS,
             occurrence: $variant::OCCURRENCE,
             shown_in: $variant::SHOWN_IN,
             draw_number: $variant::DRAW_NUMBER,
@@ -155,6 +156,12 @@ macro_rules! catalogue {
             #[must_use]
             pub fn other_starts(&self) -> Vec<Self> {
                 match self { $(Self::$variant(e) => e.other_starts().into_iter().map(Self::$variant).collect(),)+ }
+            }
+
+            /// See [`EffectModel::other_form`].
+            #[must_use]
+            pub fn other_form(&self) -> Option<Self> {
+                match self { $(Self::$variant(e) => e.other_form().map(Self::$variant),)+ }
             }
 
             /// See [`EffectModel::prior`].
@@ -322,6 +329,8 @@ macro_rules! catalogue {
             pub parameters: &'static [Parameter],
             /// [`EffectModel::NAMED_KEYS`].
             pub named_keys: &'static [(&'static str, &'static str)],
+            /// [`EffectModel::OPTIONAL_NAMED_KEYS`].
+            pub optional_named_keys: &'static [(&'static str, &'static str)],
             /// [`EffectModel::OCCURRENCE`].
             pub occurrence: Occurrence,
             /// [`EffectModel::SHOWN_IN`].

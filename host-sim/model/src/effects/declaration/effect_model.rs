@@ -43,6 +43,9 @@ pub trait EffectModel: Sized + Clone {
     /// Required keys whose value is a name, each with its meaning.
     const NAMED_KEYS: &'static [(&'static str, &'static str)] = &[];
 
+    /// Keys whose value is a name and which may be absent, each with its meaning.
+    const OPTIONAL_NAMED_KEYS: &'static [(&'static str, &'static str)] = &[];
+
     /// Whether an axis may have the effect more than once.
     const OCCURRENCE: Occurrence;
 
@@ -169,6 +172,13 @@ pub trait EffectModel: Sized + Clone {
     /// Other points at which the fit of this effect starts, beside another one of its kind.
     fn other_starts(&self) -> Vec<Self> {
         Vec::new()
+    }
+
+    /// This effect with another value of a key that is a name, if it has one that no coordinate of the fit describes. Once the effect is
+    /// found, it is tried in its place; where the logs do not tell which it is, it is its rival.
+    #[must_use]
+    fn other_form(&self) -> Option<Self> {
+        None
     }
 
     /// Mean and standard deviation of the prior of all coordinates, beside the declared settings.

@@ -3,6 +3,7 @@
 use shared::config::Rates;
 
 use super::coordinate::Coordinate;
+use super::mode::Mode;
 use crate::axis::Settings;
 
 /// An effect that was found on an axis.
@@ -14,6 +15,8 @@ pub struct Found<'a> {
     pub parameters: Vec<(&'static str, f64)>,
     /// Its fitted coordinates.
     pub coordinates: Vec<Coordinate>,
+    /// The mode of the tool that it is.
+    pub mode: Option<Mode>,
     /// Declared settings of the axis.
     pub axis: &'a Settings,
     /// Rates of the loops.

@@ -251,7 +251,8 @@ mod tests {
             let mut coordinates = parts(5.0, 0.5, 0.1, 1e3);
             coordinates.extend(fitted_mm.map(|range| period(period_mm, range)));
             let parameters = vec![("amplitude_um", 5.0), ("period_mm", period_mm), ("phase_rad", 0.5)];
-            let found = Found { name: "", parameters, coordinates, axis: &axis, rates, travel_mm: 120.0 };
+            let found =
+                Found { name: "", parameters, coordinates, mode: None, axis: &axis, rates, travel_mm: 120.0 };
             let wave = of_other_part(&found, fundamental_mm).unwrap();
             assert_eq!((wave.amplitude, wave.phase_rad), (5.0, 0.5 + PI));
             (wave.period_mm, wave.fitted_period_mm)

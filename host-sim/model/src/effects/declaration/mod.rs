@@ -41,7 +41,7 @@ pub(super) use harmonic::harmonic_effect;
 pub use identity::{Distinction, Occurrence};
 pub use imitation::{Imitation, ImitationContext};
 pub use knots::KeptPart;
-pub use mode::Mode;
+pub use mode::{DampedAgainst, Mode};
 pub use parameter::Parameter;
 pub(super) use relative_deviation::relative_deviation;
 pub use residual_shape::{ResidualOverOther, ResidualShape, ResidualWave, WaveOf};

@@ -95,7 +95,9 @@ impl Effect {
 fn named(effect: &effects::Effect, has_source: bool) -> BTreeMap<&'static str, Value> {
     let is_own = |key: &&str| *key != "channel" && !(*key == "source" && has_source);
     let written = json!(effect);
-    let keys = effect.kind().named_keys.iter().map(|(key, _)| *key).filter(is_own);
+    let kind = effect.kind();
+    let optional = kind.optional_named_keys.iter().filter(|(key, _)| written.get(key).is_some());
+    let keys = kind.named_keys.iter().chain(optional).map(|(key, _)| *key).filter(is_own);
     keys.map(|key| (key, written[key].clone())).collect()
 }
 
