@@ -225,6 +225,15 @@ impl<'a> Document<'a> {
         self.entries.iter().rev().find(|(_, entry)| hit(entry)).map(|(key, _)| key.as_str())
     }
 
+    /// The only key within another one that has this text as its value: within tagged enums serde reports that of the enum.
+    fn key_of_text(&self, outer: &str, text: &str) -> Option<&str> {
+        let is_text =
+            |entry: &Entry<'_>| matches!(entry.value.get_ref(), DeValue::String(found) if found == text);
+        let mut keys = self.entries.iter().filter(|(key, entry)| key.starts_with(outer) && is_text(entry));
+        let (key, _) = keys.next()?;
+        keys.next().is_none().then_some(key)
+    }
+
     /// Converts an error of serde at the value of `key`.
     fn type_error(&self, key: &str, error: &Error) -> InputError {
         let message = error.message();
@@ -240,6 +249,9 @@ impl<'a> Document<'a> {
             return self.refuse(key, &format!("an array of at most {most}"));
         }
         let expected = type_name(expected);
+        if let Some(variant) = between(problem, "unknown variant `", "`") {
+            return self.refuse(self.key_of_text(key, variant).unwrap_or(key), &expected);
+        }
         match between(problem, "unknown field `", "`") {
             Some(name) => {
                 let inner = join(key, name);
@@ -319,6 +331,36 @@ mod tests {
 
     fn parse_error(text: &str) -> String {
         Document::parse(text, "f.toml").err().unwrap().to_string()
+    }
+
+    /// The value of an enum within a tagged one, which serde reads from a copy without places.
+    #[test]
+    fn an_unknown_word_is_refused_at_its_key() {
+        #[derive(Debug, serde::Deserialize)]
+        #[serde(tag = "name", rename_all = "lowercase")]
+        enum Tagged {
+            One {
+                #[expect(dead_code, reason = "only read")]
+                side: Side,
+            },
+        }
+        #[derive(Debug, serde::Deserialize)]
+        #[serde(rename_all = "lowercase")]
+        enum Side {
+            Left,
+            Right,
+        }
+        #[derive(Debug, serde::Deserialize)]
+        struct Root {
+            #[expect(dead_code, reason = "only read")]
+            e: Vec<Tagged>,
+        }
+        let message =
+            |text| Document::parse(text, "f.toml").unwrap().deserialize::<Root>().unwrap_err().to_string();
+        let unknown = "[[e]]\nname = 'one'\nside = 'up'\n";
+        assert_eq!(message(unknown), "f.toml: line 3: e[0].side: expected left or right, found 'up'");
+        let (left, right) = (Side::Left, Side::Right);
+        assert!(matches!((left, right), (Side::Left, Side::Right)));
     }
 
     #[test]

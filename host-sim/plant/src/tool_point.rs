@@ -179,6 +179,11 @@ mod tests {
             let other = -(s * s + 2.0 * zeta * omega * s - of_damper) / denominator;
             let bound = expected.norm() * 1.1 * ((forced * step_s).powi(2) / 12.0 + 1e-5);
             assert!((expected - other).norm() > 20.0 * bound, "{hz}: {expected} {other} {bound}");
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "some thousand steps"
+            )]
             let settling = (20.0 / (zeta * omega * step_s)).round() as u32;
             for i in 1..=settling + 500 {
                 tool.step(&step, (velocity(i) - velocity(i - 1)) / step_s, velocity(i));

@@ -70,6 +70,11 @@ mod tests {
             assert!((own - other).abs() / real.hypot(imaginary) > 20.0 * bound, "{hertz}: {bound}");
             let table_m = |step: u32| (forced * STEP_S * f64::from(step)).sin();
             let mut mode = Mode::resting(0.0);
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "some thousand steps"
+            )]
             let settling = (20.0 / (zeta * omega * STEP_S)).round() as u32;
             for step in 0..settling + 1000 {
                 mode.step([table_m(step), table_m(step + 1)], Some([omega, zeta]), by_table);

@@ -111,10 +111,9 @@ fn a_filtered_path_is_the_mean_of_the_path() {
         let (plain, mut filtered) = (run(Smoothing::None), run(Smoothing::Trapezoid { time_s }));
         // A path with a filter waits for it at a stop: the second block starts later by its memory.
         let stop = plain.iter().position(|point| point[0] >= at([0.02, 0.0])[0] && !stops);
-        let compared = stop.unwrap_or(plain.len()).min(filtered.len());
-        for tick in 0..compared {
+        for (tick, filtered) in filtered.iter().enumerate().take(stop.unwrap_or(plain.len())) {
             let mean = mean_of(&plain, TICKS, tick);
-            let found = filtered[tick].map(Position::to_m);
+            let found = filtered.map(Position::to_m);
             assert!((mean[0] - found[0]).abs() < 1e-12, "{percent} % {stops} {tick}: {found:?} {mean:?}");
         }
         let last = filtered.pop().unwrap();

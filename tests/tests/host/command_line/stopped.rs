@@ -104,7 +104,7 @@ fn numbers_out_of_range_are_rejected() {
         ),
         (
             "\"resonance\"\nfrequency_hz = 40.0\ndamping_ratio = 0.1\ndamped_against = \"motor\"",
-            "axis.x.effect[0]",
+            "axis.x.effect[0].damped_against: expected ground or table, found \"motor\"",
         ),
         (
             "\"servo_mismatch\"\npercent = 1.0\n[[axis.x.effect]]\nname = \"servo_mismatch\"\npercent = 2.0",
