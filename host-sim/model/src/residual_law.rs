@@ -114,6 +114,30 @@ impl Term {
         }
     }
 
+    /// Whether the form of the term is that of its cause to the noise of the logs: of positions, velocities, the force and the time. A direction turns over
+    /// within some speed, a speed is rounded at a reversal, an acceleration is a filtered difference, and a hysteresis may have another curve.
+    #[must_use]
+    pub fn has_exact_form(&self) -> bool {
+        let is_exact = |variable: &TableVariable| match variable {
+            TableVariable::PositionMm
+            | TableVariable::OtherPositionMm
+            | TableVariable::VelocityMPerS
+            | TableVariable::OtherVelocityMPerS
+            | TableVariable::ForceN
+            | TableVariable::TimeS => true,
+            TableVariable::SpeedMPerS
+            | TableVariable::Direction
+            | TableVariable::OtherDirection
+            | TableVariable::AccelerationMPerS2
+            | TableVariable::OtherAccelerationMPerS2 => false,
+        };
+        match self {
+            Self::Product { of, .. } => of.iter().all(is_exact),
+            Self::Wave { .. } => true,
+            Self::Hysteresis { .. } => false,
+        }
+    }
+
     /// The coefficients of [`Self::parts`]; the second one is zero if the term has one part.
     #[must_use]
     pub const fn coefficients(&self) -> [f64; 2] {
