@@ -311,7 +311,16 @@ fn pins() {
         expected!(GPIOB.pupdr, |w| {
             w.pupdr0().pull_up().pupdr1().pull_down().pupdr2().pull_down().pupdr3().pull_down();
             w.pupdr4().pull_down().pupdr5().pull_down().pupdr6().pull_up().pupdr7().pull_up();
-            w.pupdr9().pull_up().pupdr12().pull_down().pupdr13().pull_down().pupdr15().pull_down()
+            w.pupdr9()
+                .pull_up()
+                .pupdr11()
+                .pull_up()
+                .pupdr12()
+                .pull_down()
+                .pupdr13()
+                .pull_down()
+                .pupdr15()
+                .pull_down()
         }),
         expected!(GPIOC.pupdr, |w| {
             w.pupdr6().pull_up().pupdr7().pull_up().pupdr8().pull_up();
