@@ -30,7 +30,7 @@ fn bad_laws_are_refused_with_key_and_expectation() {
     for (law, wanted) in [
         (
             with_line("of = [\"position_mm\", \"other_speed\"]"),
-            "axis.y.law[0].term[0]: expected one of position_mm, ",
+            "axis.y.law[0].term[0].of[1]: expected one of position_mm, ",
         ),
         (with_line("of = []"), "axis.y.law[0].term[0].of: expected 1 to 4 variables"),
         (

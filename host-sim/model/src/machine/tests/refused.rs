@@ -137,7 +137,7 @@ const BAD_EFFECTS: &[(&str, &str, &str)] = &[
         "line 34: axis.y.effect[1].source: expected the name of another axis (x), found \"y\"",
     ),
     ("\"x\"", "7", "line 34: axis.y.effect[1].source: expected a text in quotes, found 7"),
-    ("\"table\"", "\"motor\"", "axis.y.effect[2]: expected one of table, tool, force"),
+    ("\"table\"", "\"motor\"", "axis.y.effect[2].channel: expected one of table, tool, force"),
     ("[axis.x]", "[axis.x]\neffect = [1]", "line 42: axis.x.effect[0].name: expected this key"),
     (
         "[axis.x]",
