@@ -61,6 +61,11 @@ fn doubt(law: &FoundLaw, term: &FoundTerm) -> Option<String> {
         format!("{} would fit as well", rivals.join(", "))
     } else if let Some(large) = &term.shadowed_by {
         format!("it may be what the form of the far larger {} lacks", law.form(large))
+    } else if let Some(effect) = term.beside_ambiguous {
+        format!(
+            "it depends on what the {} does, which the logs do not tell from another effect",
+            effect.replace('_', " ")
+        )
     } else if !term.is_in_all_folds {
         "a part of the logs alone does not show it".to_owned()
     } else {

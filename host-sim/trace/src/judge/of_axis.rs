@@ -12,6 +12,7 @@ use super::remainder::Remainder;
 use super::resemblance::compare_with_catalogue;
 use super::tool_slopes::ToolSlopes;
 use crate::analysis::free_run::{FreeRun, free_runs};
+use crate::analysis::law::FoundLaw;
 use crate::dropped::{Dropped, Reason};
 use crate::fit::axis_data::AxisData;
 use crate::fit::axis_model::AxisModel;
@@ -80,6 +81,7 @@ pub fn judge(job: &Job<'_>, axis: &AxisData<'_>, hypotheses: Hypotheses) -> Axis
         model,
         fitted_scopes,
         subtracts_bias: !data.fit.bias.is_empty(),
+        laws: laws.into_iter().map(|law| beside_ambiguous(law, &found)).collect(),
         found,
         refused,
         refuted,
@@ -89,7 +91,6 @@ pub fn judge(job: &Job<'_>, axis: &AxisData<'_>, hypotheses: Hypotheses) -> Axis
         unexplained,
         repeats,
         tables,
-        laws,
         scopes,
         not_testable,
         rounds,
@@ -148,6 +149,12 @@ fn remaining(
         Some(with_residuals) => with_residuals,
         None => (model.clone(), remainder),
     }
+}
+
+/// A law with its doubts beside effects that have rivals.
+fn beside_ambiguous(law: FoundLaw, found: &[FoundEffect]) -> FoundLaw {
+    let ambiguous = found.iter().filter(|found| !found.rivals.is_empty()).map(|found| &found.effect);
+    law.doubted_beside(&ambiguous.collect::<Vec<_>>())
 }
 
 /// Unit of the channels of an axis.

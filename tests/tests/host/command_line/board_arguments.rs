@@ -42,7 +42,8 @@ fn numbers_of_a_jog() {
         let at = format!("board jog --axis x --for-s 1 --speed-mm-per-min={given}");
         refuse(&[(&at, &format!("{speed}, positive or negative, found {found}"))]);
     }
-    let extent = "the following required arguments were not provided: <--by-mm <MM>|--for-s <SECONDS>>; see --help";
+    let extent =
+        "the following required arguments were not provided: <--by-mm <MM>|--for-s <SECONDS>>; see --help";
     refuse(&[("board jog --axis x", extent)]);
     refuse(&[(
         "board jog --axis x --for-s -1",

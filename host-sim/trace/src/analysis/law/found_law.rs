@@ -2,9 +2,9 @@
 
 use super::spread::Spread;
 use crate::fit::fit_data::FitAndValidationRms;
-use model::effects::Stage;
+use model::effects::{Abscissa, Effect, Stage};
 use model::residual_law::{ResidualLaw, Term};
-use model::residual_table::TableChannel;
+use model::residual_table::{TableChannel, TableVariable};
 
 /// A law that held-out logs support.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +62,8 @@ pub struct FoundTerm {
     pub rivals: Vec<Term>,
     /// A term of the same motion that is [`MIN_SHADOW_RATIO`] times as large: the small one may be what its form lacks.
     pub shadowed_by: Option<Term>,
+    /// An effect of the model that has rivals and depends on the variable of the term: what the term describes may be an error of this effect.
+    pub beside_ambiguous: Option<&'static str>,
     /// Whether the law of each two thirds of the fitted logs contains the term.
     pub is_in_all_folds: bool,
 }
@@ -76,7 +78,25 @@ impl FoundLaw {
     /// describe a part.
     #[must_use]
     pub fn is_certain(&self, term: &FoundTerm) -> bool {
-        self.is_complete && term.rivals.is_empty() && term.shadowed_by.is_none() && term.is_in_all_folds
+        self.is_complete
+            && term.rivals.is_empty()
+            && term.shadowed_by.is_none()
+            && term.beside_ambiguous.is_none()
+            && term.is_in_all_folds
+    }
+
+    /// This law, in which each term names an effect of its variable, of those of the model that the logs do not tell from others.
+    #[must_use]
+    pub fn doubted_beside(mut self, ambiguous: &[&Effect]) -> Self {
+        for term in &mut self.terms {
+            let is_of_its_variable = |effect: &&&Effect| {
+                let variable = variable_of(&effect.abscissa());
+                effect.stages().contains(&self.stage)
+                    && term.term.variables().iter().all(|one| *one == variable)
+            };
+            term.beside_ambiguous = ambiguous.iter().find(is_of_its_variable).map(|effect| effect.name());
+        }
+        self
     }
 
     /// The law for the model of the axis.
@@ -87,5 +107,18 @@ impl FoundLaw {
             constant: self.constant,
             term: self.terms.iter().map(|found| found.term.clone()).collect(),
         }
+    }
+}
+
+/// The variable of a law that an effect depends on.
+const fn variable_of(abscissa: &Abscissa) -> TableVariable {
+    match abscissa {
+        Abscissa::Time => TableVariable::TimeS,
+        Abscissa::Position | Abscissa::WithinPeriod(_) => TableVariable::PositionMm,
+        Abscissa::Velocity => TableVariable::VelocityMPerS,
+        Abscissa::Acceleration => TableVariable::AccelerationMPerS2,
+        Abscissa::Force => TableVariable::ForceN,
+        Abscissa::OtherPosition(_) => TableVariable::OtherPositionMm,
+        Abscissa::OtherAcceleration(_) => TableVariable::OtherAccelerationMPerS2,
     }
 }

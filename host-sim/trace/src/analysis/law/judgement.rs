@@ -60,6 +60,7 @@ pub fn judged(
         FoundTerm {
             rivals: replaced(chosen, term, (&with, &alike)),
             shadowed_by: shadow(&law, (term, squares)),
+            beside_ambiguous: None,
             is_in_all_folds: of_folds.iter().all(|law| has(law)),
             half_widths: spread.of_coefficients(index),
             amplitude_half_width: spread.of_amplitude(index, term),
