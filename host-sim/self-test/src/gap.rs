@@ -138,7 +138,7 @@ mod tests {
         );
         assert_eq!(
             [1, 23, 24, 25].map(chain::of_case),
-            ["feedback_late", "quant", "mode_on_table", "feedback_late"]
+            ["feedback_late", "quant", "mode_on_table", "feedback_notch"]
         );
     }
 
