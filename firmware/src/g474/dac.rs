@@ -15,8 +15,13 @@ const BOTH: u32 = 1 | 1 << 16;
 pub fn start(bus: impl Bus, zero: [u16; AXES]) {
     Device::DAC1.restart(bus);
     bus.write(dac::MCR, FAST_CLOCK);
-    zero.into_iter().enumerate().for_each(|(axis, counts)| set(bus, axis, counts));
+    set_both(bus, zero);
     bus.write(dac::CR, BOTH);
+}
+
+/// Sets both channels.
+pub fn set_both(bus: impl Bus, counts: [u16; AXES]) {
+    counts.into_iter().enumerate().for_each(|(axis, counts)| set(bus, axis, counts));
 }
 
 /// Sets the channel of an axis.

@@ -80,9 +80,5 @@ pub fn cut(bus: impl Bus) {
     pins::set_enable(bus, false);
     pins::set_brakes_open(bus, false);
     bus.clear_bits(timer(tim::BDTR), MAIN_OUTPUT);
-    setup::TABLE
-        .map(zero_volts)
-        .into_iter()
-        .enumerate()
-        .for_each(|(axis, counts)| dac::set(bus, axis, counts));
+    dac::set_both(bus, setup::TABLE.map(zero_volts));
 }

@@ -23,6 +23,12 @@ pub fn axis_name(axis: u8) -> String {
     AXIS_NAMES.get(usize::from(axis)).map_or_else(|| format!("axis {axis}"), |name| (*name).to_owned())
 }
 
+/// The number of axes in words.
+#[must_use]
+pub fn axes(count: usize) -> String {
+    if count == 1 { "1 axis".to_owned() } else { format!("{count} axes") }
+}
+
 /// A refusal in one line.
 #[must_use]
 pub fn text(refusal: &Refusal) -> String {
@@ -49,8 +55,7 @@ pub fn text(refusal: &Refusal) -> String {
             60e3 * limit_m_per_s
         ),
         Refusal::NoSuchAxis => "it has no such axis".into(),
-        Refusal::Axes { board: 1 } => "it has 1 axis".into(),
-        Refusal::Axes { board } => format!("it has {board} axes"),
+        Refusal::Axes { board } => format!("it has {}", axes(usize::from(*board))),
         Refusal::NotArmed(NotArmed::Switch) => {
             "the enable switch is open, or was closed before the last stop: open it, then close it".into()
         }

@@ -339,12 +339,9 @@ mod tests {
         #[derive(Debug, serde::Deserialize)]
         #[serde(tag = "name", rename_all = "lowercase")]
         enum Tagged {
-            One {
-                #[expect(dead_code, reason = "only read")]
-                side: Side,
-            },
+            One { side: Side },
         }
-        #[derive(Debug, serde::Deserialize)]
+        #[derive(Debug, PartialEq, serde::Deserialize)]
         #[serde(rename_all = "lowercase")]
         enum Side {
             Left,
@@ -352,15 +349,16 @@ mod tests {
         }
         #[derive(Debug, serde::Deserialize)]
         struct Root {
-            #[expect(dead_code, reason = "only read")]
             e: Vec<Tagged>,
         }
-        let message =
-            |text| Document::parse(text, "f.toml").unwrap().deserialize::<Root>().unwrap_err().to_string();
-        let unknown = "[[e]]\nname = 'one'\nside = 'up'\n";
-        assert_eq!(message(unknown), "f.toml: line 3: e[0].side: expected left or right, found 'up'");
-        let (left, right) = (Side::Left, Side::Right);
-        assert!(matches!((left, right), (Side::Left, Side::Right)));
+        let read = |side: &str| {
+            let text = format!("[[e]]\nname = 'one'\nside = '{side}'\n");
+            Document::parse(&text, "f.toml").unwrap().deserialize::<Root>().map_err(|error| error.to_string())
+        };
+        let unknown = "f.toml: line 3: e[0].side: expected left or right, found 'up'";
+        assert_eq!(read("up").unwrap_err(), unknown);
+        let is_read = |name, side| matches!(&read(name).unwrap().e[..], [Tagged::One { side: found }] if *found == side);
+        assert!(is_read("left", Side::Left) && is_read("right", Side::Right));
     }
 
     #[test]

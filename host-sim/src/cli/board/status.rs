@@ -44,7 +44,7 @@ fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
         format!("{}, version {}", welcome.board, welcome.software),
         format!(
             "{}, {} ticks per second, a position command every {} ticks",
-            axes(welcome.steps.axes.len()),
+            refusal::axes(welcome.steps.axes.len()),
             welcome.rates.velocity_loop_hz,
             welcome.rates.position_loop_divider
         ),
@@ -94,11 +94,6 @@ fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
         link.packets, link.too_long, link.too_short, link.encoding, link.checksum, link.version
     ));
     lines
-}
-
-/// The number of axes in words.
-fn axes(count: usize) -> String {
-    if count == 1 { "1 axis".to_owned() } else { format!("{count} axes") }
 }
 
 /// What an axis that follows a counter does.
